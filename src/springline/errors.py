@@ -28,7 +28,12 @@ class SpringlineError(Exception):
     """
 
     def __init__(
-        self, what: str, *, where: str | Path | None = None, expected: str | None = None, mend: str | None = None
+        self,
+        what: str,
+        *,
+        where: str | Path | None = None,
+        expected: str | None = None,
+        mend: str | None = None,
     ) -> None:
         self.what, self.where, self.expected, self.mend = what, where, expected, mend
         text = f"{where}: {what}" if where is not None else what
@@ -73,7 +78,8 @@ class MissingExtraError(SpringlineError, ImportError):
         reading LAS and LAZ files needs the extra 'las'. Install it with: pip install 'springline[las]'
         """
         return cls(
-            f"{needed_for} needs the extra '{extra}'", mend=f"Install it with: pip install 'springline[{extra}]'"
+            f"{needed_for} needs the extra '{extra}'",
+            mend=f"Install it with: pip install 'springline[{extra}]'",
         )
 
 

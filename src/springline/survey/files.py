@@ -1,0 +1,230 @@
+"""Surveys on disk: zarr, as a folder or as one `.zarr.zip`; writing is atomic."""
+
+from __future__ import annotations
+
+import shutil
+import tempfile
+import warnings
+import zipfile
+from contextlib import contextmanager, suppress
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import xarray as xr
+
+from ..conventions import GROUPS
+from ..errors import FormatError, InputError, OutputError
+from .model import Survey
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+_RING_CHUNK = 2048
+_DEFAULT_TICK = 1e-5
+_FILL = -32768
+
+
+def save_survey(survey: Survey, path: str | Path, *, force: bool = False) -> Path:
+    """Write a survey as a zarr folder, or as one file when `path` ends in `.zip`; whole or not at all.
+
+    Ranges are stored as scaled integers with ticks no coarser than a tenth of the sensor's noise (`range_noise` of
+    the rings), 10 micrometres when the noise is unknown.
+
+    Args:
+        survey: The survey.
+        path: Where to write.
+        force: Replace what stands there.
+
+    Raises:
+        OutputError: `path` exists without `force`, or the disk refuses (full, read-only, not permitted).
+    """
+    path = Path(path)
+    with replacing(path, force=force) as temporary:
+        if path.suffix == ".zip":
+            folder = temporary.with_suffix(".folder")
+            _write_groups(survey, folder)
+            _pack(folder, temporary)
+        else:
+            _write_groups(survey, temporary)
+    return path
+
+
+def _pack(folder: Path, archive: Path) -> None:
+    """Zip a zarr folder; its chunks are compressed already, and zarr rewrites metadata, which a zip cannot."""
+    with zipfile.ZipFile(archive, "w", zipfile.ZIP_STORED) as bundle:
+        for file in sorted(p for p in folder.rglob("*") if p.is_file()):
+            bundle.write(file, file.relative_to(folder).as_posix())
+
+
+@contextmanager
+def replacing(path: Path, *, force: bool = False) -> Iterator[Path]:
+    """Yield a temporary sibling of `path` that takes its place when the block succeeds and vanishes when it fails.
+
+    Raises:
+        OutputError: `path` exists without `force`, its folder does not, or the disk refuses.
+    """
+    if path.exists() and not force:
+        raise OutputError("it exists already", where=path, mend="choose another name or pass --force")
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        holder = Path(tempfile.mkdtemp(prefix=f".{path.name}-", dir=path.parent))
+    except OSError as error:
+        raise OutputError(f"cannot be written: {error.strerror or error}", where=path) from error
+    try:
+        yield holder / path.name
+        if path.exists():
+            path.rename(holder / "replaced")
+        try:
+            (holder / path.name).rename(path)
+        except OSError:
+            with suppress(OSError):
+                (holder / "replaced").rename(path)
+            raise
+    except OSError as error:
+        if isinstance(error, OutputError):
+            raise
+        raise OutputError(
+            f"cannot be written: {error.strerror or error}",
+            where=path,
+            mend="free some space or choose another disk",
+        ) from error
+    finally:
+        shutil.rmtree(holder, ignore_errors=True)
+
+
+def _write_groups(survey: Survey, store: Path) -> None:
+    import zarr
+
+    xr.Dataset(attrs=survey.attrs).to_zarr(store, mode="w", consolidated=False, zarr_format=3)
+    for name in survey.groups:
+        data = _described(name, survey.group(name))
+        data.to_zarr(
+            store,
+            group=name,
+            mode="a",
+            consolidated=False,
+            zarr_format=3,
+            encoding=_encoding(data),
+            safe_chunks=False,
+        )
+    with warnings.catch_warnings():
+        # Consolidated metadata spare readers a listing; zarr warns that the addition is not in its specification yet.
+        warnings.simplefilter("ignore")
+        zarr.consolidate_metadata(store)
+
+
+def _described(group: str, data: xr.Dataset) -> xr.Dataset:
+    """Return the data with unit and description from the one table on each variable."""
+    listed = {v.name: v for v in GROUPS[group].variables}
+    data = data.copy(deep=False)
+    for name in data.variables:
+        data[name].encoding = {}
+        if str(name) in listed:
+            data[name].attrs = {
+                **data[name].attrs,
+                "units": listed[str(name)].unit,
+                "long_name": listed[str(name)].description,
+            }
+    return data
+
+
+def _encoding(data: xr.Dataset) -> dict[str, dict[str, Any]]:
+    from zarr.codecs import BloscCodec
+
+    compressor = BloscCodec(cname="zstd", clevel=5, shuffle="bitshuffle")
+    encoding: dict[str, dict[str, Any]] = {}
+    for name, array in data.variables.items():
+        one: dict[str, Any] = {}
+        if array.dtype.kind in "fiub" and array.ndim:
+            one["compressors"] = (compressor,)
+            if array.dims[0] in ("ring", "station", "point"):
+                one["chunks"] = (
+                    min(_rows_per_chunk(array), array.shape[0]) or 1,
+                    *(n or 1 for n in array.shape[1:]),
+                )
+        if name == "range":
+            one |= _ticks(array, float(data.attrs.get("range_noise", np.nan)))
+        encoding[str(name)] = one
+    return encoding
+
+
+def _rows_per_chunk(array: xr.Variable) -> int:
+    return _RING_CHUNK if array.ndim > 1 else 65536
+
+
+def _ticks(array: xr.Variable, noise: float) -> dict[str, Any]:
+    """Return the scaled-integer encoding: int16 where the longest range fits, int32 otherwise."""
+    tick = min(_DEFAULT_TICK, noise / 10) if noise > 0 else _DEFAULT_TICK
+    longest = max(
+        (float(np.nanmax(np.abs(block), initial=0.0)) for block in _blocks(array)),
+        default=0.0,
+    )
+    if longest / tick < -_FILL - 1:
+        return {"dtype": "int16", "scale_factor": np.float32(tick), "_FillValue": _FILL}
+    if noise > 0 and longest / (noise / 10) < 2**15 - 2:
+        return {"dtype": "int16", "scale_factor": np.float32(noise / 10), "_FillValue": _FILL}
+    if longest / tick < 2**31 - 2:
+        return {"dtype": "int32", "scale_factor": tick, "_FillValue": -(2**31)}
+    return {}
+
+
+def _blocks(array: xr.Variable) -> Iterator[np.ndarray]:
+    for start in range(0, array.shape[0], _RING_CHUNK):
+        yield np.where(np.isfinite(b := array[start : start + _RING_CHUNK].values), b, 0.0)
+
+
+def open_survey(path: str | Path) -> Survey:
+    """Open a survey written by `save_survey`; arrays load when they are used.
+
+    Args:
+        path: A zarr folder, or a `.zarr.zip`.
+
+    Raises:
+        InputError: There is no such file.
+        FormatError: It is not a zarr store, or it is damaged.
+    """
+    path = Path(path)
+    if not path.exists():
+        raise InputError("no such file", where=path)
+    try:
+        groups, attrs = _read_groups(path)
+    except (OSError, ValueError, KeyError, zipfile.BadZipFile, NotImplementedError) as error:
+        raise FormatError(
+            f"cannot be opened as a zarr survey: {error}",
+            where=path,
+            expected="a complete zarr folder or .zarr.zip",
+        ) from error
+    known = {name: data for name, data in groups.items() if name in GROUPS}
+    if not known:
+        raise FormatError("no group of the data contract stands in it", where=path, expected="/rings or /points")
+    return Survey(known, attrs)
+
+
+def _read_groups(path: Path) -> tuple[dict[str, xr.Dataset], dict[str, Any]]:
+    import zarr
+    from zarr.storage import LocalStore, ZipStore
+
+    store: Any = ZipStore(path, mode="r") if path.is_file() else LocalStore(path, read_only=True)
+    root = zarr.open_group(store, mode="r")
+    groups = {}
+    for name in sorted(name for name, _ in root.groups()):
+        data = xr.open_zarr(store, group=name, consolidated=False, chunks=None)
+        if "range" in data:
+            data = data.assign(range=(data["range"].dims, _ranges(root[f"{name}/range"])))
+        groups[name] = data
+    return groups, dict(root.attrs)
+
+
+def _ranges(stored: Any) -> np.ndarray:
+    """Return ranges [m] as float32, decoded block by block: at once they would pass through float64."""
+    values = np.empty(stored.shape, np.float32)
+    scale = np.float32(stored.attrs.get("scale_factor", 1.0))
+    fill = stored.attrs.get("_FillValue")
+    for start in range(0, stored.shape[0], _RING_CHUNK):
+        raw = stored[start : start + _RING_CHUNK]
+        block = raw * scale
+        if fill is not None and raw.dtype.kind == "i":
+            block[raw == fill] = np.nan
+        values[start : start + _RING_CHUNK] = block
+    return values
