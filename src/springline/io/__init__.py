@@ -1,0 +1,1 @@
+"""Readers and writers: one file per format, and a registry that guesses by content and can be overruled."""

@@ -1,0 +1,1 @@
+"""Tables, mesh, report and viewer: they read a finished survey and estimate nothing."""

@@ -1,0 +1,1 @@
+"""The stages of an inspection: each a function from Survey to Survey that adds its group."""
