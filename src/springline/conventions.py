@@ -123,6 +123,7 @@ ROOT_ATTRIBUTES = {
     "operator": "who drove the inspection",
     "equipment": "what recorded it",
     "provenance": "JSON: program version, resolved configuration, input files with their sha256",
+    "chunks": "all: every chunk was written, so that a missing one is damage",
     "warnings": "JSON list of what the user must know",
     "assumptions": "JSON list of what was assumed while reading: units, bearing zero and sense, up direction",
 }

@@ -96,7 +96,7 @@ def replacing(path: Path, *, force: bool = False) -> Iterator[Path]:
 def _write_groups(survey: Survey, store: Path) -> None:
     import zarr
 
-    xr.Dataset(attrs=survey.attrs).to_zarr(store, mode="w", consolidated=False, zarr_format=3)
+    xr.Dataset(attrs={**survey.attrs, "chunks": "all"}).to_zarr(store, mode="w", consolidated=False, zarr_format=3)
     for name in survey.groups:
         data = _described(name, survey.group(name))
         data.to_zarr(
@@ -107,6 +107,7 @@ def _write_groups(survey: Survey, store: Path) -> None:
             zarr_format=3,
             encoding=_encoding(data),
             safe_chunks=False,
+            write_empty_chunks=True,
         )
     with warnings.catch_warnings():
         # Consolidated metadata spare readers a listing; zarr warns that the addition is not in its specification yet.
@@ -175,7 +176,7 @@ def _blocks(array: xr.Variable) -> Iterator[np.ndarray]:
 
 
 def open_survey(path: str | Path) -> Survey:
-    """Open a survey written by `save_survey`; arrays load when they are used.
+    """Open a survey written by `save_survey`, whole: damage shows here and not in the middle of a run.
 
     Args:
         path: A zarr folder, or a `.zarr.zip`.
@@ -189,7 +190,7 @@ def open_survey(path: str | Path) -> Survey:
         raise InputError("no such file", where=path)
     try:
         groups, attrs = _read_groups(path)
-    except (OSError, ValueError, KeyError, zipfile.BadZipFile, NotImplementedError) as error:
+    except (OSError, ValueError, KeyError, RuntimeError, zipfile.BadZipFile) as error:
         raise FormatError(
             f"cannot be opened as a zarr survey: {error}",
             where=path,
@@ -207,13 +208,22 @@ def _read_groups(path: Path) -> tuple[dict[str, xr.Dataset], dict[str, Any]]:
 
     store: Any = ZipStore(path, mode="r") if path.is_file() else LocalStore(path, read_only=True)
     root = zarr.open_group(store, mode="r")
-    groups = {}
+    groups, attrs = {}, dict(root.attrs)
     for name in sorted(name for name, _ in root.groups()):
         data = xr.open_zarr(store, group=name, consolidated=False, chunks=None)
         if "range" in data:
-            data = data.assign(range=(data["range"].dims, _ranges(root[f"{name}/range"])))
-        groups[name] = data
-    return groups, dict(root.attrs)
+            data = data.assign(range=(data["range"].dims, _ranges(root[f"{name}/range"]), data["range"].attrs))
+        groups[name] = data.load()
+        if attrs.get("chunks") == "all":
+            _check_chunks(root[name])
+    return groups, attrs
+
+
+def _check_chunks(group: Any) -> None:
+    """Raise when a chunk is missing, which zarr would read as if there had been no return."""
+    for name, array in group.arrays():
+        if missing := array.nchunks - array.nchunks_initialized:
+            raise ValueError(f"{missing} of {array.nchunks} chunks of '{name}' are missing")
 
 
 def _ranges(stored: Any) -> np.ndarray:

@@ -1,0 +1,55 @@
+"""The whole chain, readable on one screen: source groups in, result groups added stage by stage."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from . import __version__
+from .config import Config
+from .stages.clean import clean
+from .stages.estimate import estimate
+from .stages.metrics import metrics
+from .stages.rings import rings
+from .survey import add_run, validate
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from .survey import Survey
+
+STAGES = (rings, clean, estimate, metrics)
+"""The stages in the order in which they run; each takes a survey and its settings and adds its groups."""
+
+
+def inspect(
+    survey: Survey, config: Config | None = None, *, progress: Callable[[str, float], None] | None = None
+) -> Survey:
+    """Run the whole chain on a survey.
+
+    Args:
+        survey: As `springline.read` returns it; results of an earlier run are left aside and made anew.
+        config: Settings; the defaults when not given.
+        progress: Called with a stage's name and the share of the chain done, from 0 to 1.
+
+    Returns:
+        The survey with `/rings`, `/mask`, `/pose`, `/section` and `/metrics`, and with warnings and assumptions in
+        its attributes.
+
+    Raises:
+        ContractError: The survey does not follow the data contract.
+        InputError: It holds nothing that can be inspected; the message says why.
+
+    >>> import springline as sl
+    >>> result = sl.inspect(sl.read(sl.builtin_survey()))
+    >>> result.has("metrics")
+    True
+    """
+    config = config or Config()
+    survey = add_run(validate(survey.source()), version=__version__, config=config.model_dump(mode="json"))
+    for done, stage in enumerate(STAGES):
+        if progress:
+            progress(stage.__name__, done / len(STAGES))
+        survey = stage(survey, config)
+    if progress:
+        progress("done", 1.0)
+    return survey
