@@ -16,6 +16,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from .data import builtin_survey
     from .io import read, write
     from .pipeline import inspect
     from .simulate import simulate
@@ -30,9 +31,10 @@ _HOMES = {
     "inspect": "pipeline",
     "simulate": "simulate",
     "Survey": "survey",
+    "builtin_survey": "data",
 }
 
-__all__ = ["Survey", "__version__", "inspect", "read", "simulate", "write"]
+__all__ = ["Survey", "__version__", "builtin_survey", "inspect", "read", "simulate", "write"]
 
 
 def __getattr__(name: str) -> Any:

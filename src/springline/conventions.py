@@ -12,7 +12,7 @@ Attitude in the pipe
 The robot's forward unit vector is (a, b, c) with tan(pitch) = b/a and tan(yaw) = c/a: positive pitch lifts the nose,
 positive yaw turns it to the right. The axis comes first, by one direct rotation, then roll about it, positive from the
 robot's z towards its y (counter-clockwise looking forward), so that a pure roll turns the measured major axis by
--roll. Worked example: at pitch 10 and yaw 10 degrees (a, b, c) = (0.97028, 0.17109, 0.17109); a robot that first
+-roll. Worked example: at pitch 10 and yaw 10 degrees (a, b, c) = (0.97029, 0.17109, 0.17109); a robot that first
 pitches and then yaws ends with the same axis but is rolled by -0.86 degrees against the direct frame.
 
 Units
@@ -322,6 +322,12 @@ GROUPS = {
                     "covariance of the parameters",
                     required=True,
                 ),
+                _v("centre_y", "station", "m", "height of the section's centre in the ring's own frame"),
+                _v("centre_z", "station", "m", "section's centre to the right in the ring's own frame"),
+                _v("deviation_in", "station", "m", "furthest the wall stands inside the section, over 10 degrees"),
+                _v("deviation_in_bearing", "station", "rad", "bearing of deviation_in"),
+                _v("deviation_out", "station", "m", "furthest the wall stands outside the section, over 10 degrees"),
+                _v("deviation_out_bearing", "station", "rad", "bearing of deviation_out"),
                 _v("residual_rms", "station", "m", "rms distance of the used readings to the section"),
                 _v("noise", "station", "m", "robust one-sigma of one reading about the section"),
                 _v("coverage", "station", "1", "used over possible bearings"),
