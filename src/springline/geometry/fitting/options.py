@@ -1,0 +1,96 @@
+"""Options shared by every fit, with their defaults; all are given by keyword."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import pi
+from typing import TYPE_CHECKING, TypedDict
+
+from springline.errors import ParameterError, nearest
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike
+
+SHORTEST_ARC = pi / 6
+"""Readings that span less than this about the centre do not determine a section [rad]: 30 degrees."""
+
+NOISE_MODELS = {"orthogonal": 0, "isotropic": 1, "range": 2}
+"""Models of the readings' errors by name, as the kernels number them."""
+
+
+class FitOptions(TypedDict, total=False):
+    """Keywords of the fits.
+
+    Keys:
+        method: Which distance is minimised; "geometric" unless given.
+        weights: Relative inverse variance of each reading, or a mask: anything that broadcasts to (ring, point). A
+            reading whose weight is zero, negative or NaN is not used.
+        robust: Whether outliers are rejected. The default is to reject them in geometric fits and not in algebraic
+            ones. Fewer than three readings per parameter cannot tell an outlier, and are fitted by least squares.
+        noise: How the readings err, for geometric fits. "range": along the ray from the origin of the readings, which
+            must be the sensor or near the axis (default for rings). "isotropic": equally in z and y, as in point
+            clouds; distances then have the mean sigma^2/(2 R), which is removed. "orthogonal": distances count as
+            they are, the classical orthogonal-distance fit (default for a single set of points).
+        least_arc: Readings that span less about the centre are refused [rad]; 30 degrees unless given.
+        keep_weights: Whether the robust weights come back, (ring, point) float32.
+        workers: Threads; as many as there are cores unless given. The result does not depend on it.
+    """
+
+    method: str
+    weights: ArrayLike | None
+    robust: bool
+    noise: str
+    least_arc: float
+    keep_weights: bool
+    workers: int | None
+
+
+@dataclass(frozen=True)
+class Resolved:
+    """Options with every default filled in and every name checked."""
+
+    method: str
+    weights: ArrayLike | None
+    robust: bool
+    noise: int
+    least_arc: float
+    keep_weights: bool
+    workers: int | None
+
+
+def resolve(options: FitOptions, methods: dict[str, int], noise: str = "range") -> Resolved:
+    """Return `options` with their defaults; ParameterError names an option or a name that is not known.
+
+    >>> resolve({"robust": False}, {"geometric": 0}).least_arc == SHORTEST_ARC
+    True
+    """
+    for name in options:
+        if name not in FitOptions.__annotations__:
+            known = list(FitOptions.__annotations__)
+            raise ParameterError(
+                f"a fit has no option {name!r}{nearest(name, known)}", expected=f"one of {', '.join(known)}"
+            )
+    method = options.get("method", "geometric")
+    _known("method", method, methods)
+    noise = options.get("noise", noise)
+    _known("noise", noise, NOISE_MODELS)
+    least_arc = float(options.get("least_arc", SHORTEST_ARC))
+    if not 0.0 <= least_arc < 2.0 * pi:
+        raise ParameterError(f"least_arc is {least_arc}", expected="an angle in radians, from 0 to 2 pi")
+    workers = options.get("workers")
+    if workers is not None and workers < 1:
+        raise ParameterError(f"workers is {workers}", expected="one or more threads, or None for all cores")
+    return Resolved(
+        method=method,
+        weights=options.get("weights"),
+        robust=bool(options.get("robust", method == "geometric")),
+        noise=NOISE_MODELS[noise],
+        least_arc=least_arc,
+        keep_weights=bool(options.get("keep_weights", False)),
+        workers=workers,
+    )
+
+
+def _known(name: str, value: str, known: dict[str, int]) -> None:
+    if value not in known:
+        raise ParameterError(f"{name} is {value!r}{nearest(str(value), known)}", expected=f"one of {', '.join(known)}")
