@@ -76,8 +76,8 @@ def ellipse_measures(parameters: ArrayLike, covariance: ArrayLike) -> dict[str, 
         "diameter_max": largest,
         "diameter_max_bearing": (axis, _axis_gradient(u, v, d)),
         "diameter_min": of_axes(2 * (m - d), 2 * one, -2 * one),
-        "diameter_x": chord(p, 0.0),
-        "diameter_y": chord(p, np.pi / 2),
+        "diameter_x": _chord(p, 0.0),
+        "diameter_y": _chord(p, np.pi / 2),
         **{f"diameter_{name}": mean for name, mean in means.items()},
         **{f"ovality_{name}": _ratio(largest, mean) for name, mean in means.items()},
         "area": of_axes(np.pi * (m * m - d * d), 2 * np.pi * m, -2 * np.pi * d),
@@ -87,33 +87,41 @@ def ellipse_measures(parameters: ArrayLike, covariance: ArrayLike) -> dict[str, 
     return {name: Measure(value, _propagate(gradient, covariance)) for name, (value, gradient) in found.items()}
 
 
-def chord(parameters: ArrayLike, bearing: ArrayLike) -> tuple[Array, Array]:
-    """Return chords of ellipses through their centre, and the gradients with respect to the parameters.
+def polar_radius(parameters: ArrayLike, bearing: ArrayLike) -> Array:
+    """Return the polar radius of ellipses about their centre.
 
-    In (m, u, v) the polar radius is (m^2 - d^2) / sqrt(m^2 + d^2 - 2 m w) with w = u cos 2 theta + v sin 2 theta.
+    In (m, u, v) it is (m^2 - d^2) / sqrt(m^2 + d^2 - 2 m w) with w = u cos 2 theta + v sin 2 theta.
 
     Args:
         parameters: (..., 3): mean_radius, oval_cos, oval_sin [m].
-        bearing: (...): bearing of the chord [rad], from +z counter-clockwise.
+        bearing: (...): bearing [rad], from +z counter-clockwise; broadcast against the parameters.
 
-    >>> float(chord([1.1, 0.1, 0.0], 0.0)[0]), float(chord([1.1, 0.1, 0.0], np.pi / 2)[0])
-    (2.4000000000000004, 2.0)
+    >>> float(polar_radius([1.1, 0.1, 0.0], 0.0)), float(polar_radius([1.1, 0.1, 0.0], np.pi / 2))
+    (1.2000000000000002, 1.0)
     """
     p = np.asarray(parameters, float)
     m, u, v = p[..., 0], p[..., 1], p[..., 2]
-    cos, sin = np.cos(2 * np.asarray(bearing)), np.sin(2 * np.asarray(bearing))
-    w = u * cos + v * sin
-    top = m * m - u * u - v * v
-    root = np.sqrt(m * m + u * u + v * v - 2 * m * w)
+    w = u * np.cos(2 * np.asarray(bearing)) + v * np.sin(2 * np.asarray(bearing))
+    square = u * u + v * v
+    return (m * m - square) / np.sqrt(m * m + square - 2 * m * w)
+
+
+def _chord(p: Array, bearing: float) -> tuple[Array, Array]:
+    """Return chords through the centre at one bearing, and their gradients with respect to the parameters."""
+    m, u, v = p[..., 0], p[..., 1], p[..., 2]
+    cos, sin = np.cos(2 * bearing), np.sin(2 * bearing)
+    radius = polar_radius(p, bearing)
+    root = np.sqrt(m * m + u * u + v * v - 2 * m * (u * cos + v * sin))
+    by_square = radius / root**2
     gradient = np.stack(
         [
-            2 * m / root - top * (m - w) / root**3,
-            -2 * u / root - top * (u - m * cos) / root**3,
-            -2 * v / root - top * (v - m * sin) / root**3,
+            2 * m / root - by_square * (m - u * cos - v * sin),
+            -2 * u / root - by_square * (u - m * cos),
+            -2 * v / root - by_square * (v - m * sin),
         ],
         axis=-1,
     )
-    return 2 * top / root, 2 * gradient
+    return 2 * radius, 2 * gradient
 
 
 def _direction(u: Array, v: Array, d: Array, covariance: Array) -> tuple[Array, Array]:

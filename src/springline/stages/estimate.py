@@ -1,0 +1,154 @@
+"""Estimate: where the sensor was in the pipe, and the pipe's section at every station."""
+
+from __future__ import annotations
+
+import json
+from typing import TYPE_CHECKING
+
+import numpy as np
+import xarray as xr
+
+from ..conventions import FIT_STATUS, POSE_TERMS, SECTION_PARAMETERS
+from ..errors import InputError
+from ..geometry.deviation import radial_deviation, smoothed_extremes
+from ..geometry.fitting import fit_ellipses_to_ranges
+from ..survey import add_assumption, add_warning
+
+if TYPE_CHECKING:
+    from ..config import Config
+    from ..survey import Survey
+
+_BLOCK = 4096
+_TOO_FEW = 1
+_PER_STATION = ("residual_rms", "noise", "centre_y", "centre_z")
+_DEVIATIONS = ("deviation_in", "deviation_in_bearing", "deviation_out", "deviation_out_bearing")
+
+
+def estimate(survey: Survey, config: Config) -> Survey:
+    """Return the survey with `/pose` and `/section`: one robust geometric ellipse per ring.
+
+    The section's centre gives the sensor's offset; its shape is taken as perpendicular to the pipe, so that the
+    sensor's own tilt stays in it (an assumption that is stated). Stations without enough coverage, or whose readings
+    do not determine an ellipse, have no section and say why in `status`.
+
+    Args:
+        survey: With `/rings` and `/mask`.
+        config: `estimate.minimum_coverage`, `sensor.scale_sigma`.
+
+    Raises:
+        InputError: No station at all could be fitted.
+
+    Source: dissertation 2.9.1 (geometric fit) and 4.1 (origin offset).
+    """
+    rings, mask = survey.rings, survey.mask
+    found = _fit(rings, mask, config.estimate.minimum_coverage)
+    if not (found["status"] == 0).any():
+        reasons = ", ".join(sorted({FIT_STATUS[code] for code in np.unique(found["status"])}))
+        raise InputError(
+            f"no ring has a section: {reasons}",
+            where=survey.attrs.get("name", "survey"),
+            expected="readings of the wall over a quarter of the circumference or more",
+            mend="check unit, --nominal and the clean settings",
+        )
+    scale, source = _scale(survey, config)
+    section = _section(rings, mask, found)
+    section.attrs = {"model": "ellipse", "range_scale_sigma": scale, "range_scale_source": source}
+    survey = _explain(survey, found["status"])
+    return survey.with_group("pose", _pose(rings, found)).with_group("section", section)
+
+
+def _fit(rings: xr.Dataset, mask: xr.Dataset, minimum_coverage: float) -> dict[str, np.ndarray]:
+    count, bearings = rings.sizes["ring"], rings["bearing"].values
+    found = {name: np.full(count, np.nan) for name in (*_PER_STATION, *_DEVIATIONS)}
+    found["parameters"] = np.full((count, 5), np.nan)
+    found["covariance"] = np.full((count, 5, 5), np.nan)
+    found["status"] = np.empty(count, np.uint8)
+    coverage = mask["coverage"].values
+    for start in range(0, count, _BLOCK):
+        rows = slice(start, start + _BLOCK)
+        used = mask["reason"][rows].values == 0
+        used[coverage[rows] < minimum_coverage] = False
+        ranges = np.where(used, rings["range"][rows].values, np.float32(np.nan))
+        fits = fit_ellipses_to_ranges(ranges, bearings)
+        found["parameters"][rows] = fits.parameters
+        found["covariance"][rows] = fits.covariance
+        found["residual_rms"][rows] = fits.residual_rms
+        found["noise"][rows] = fits.noise_sigma
+        found["centre_z"][rows], found["centre_y"][rows] = fits.centre_z, fits.centre_y
+        found["status"][rows] = np.where(coverage[rows] < minimum_coverage, _TOO_FEW, fits.status)
+        deviation = radial_deviation(ranges, bearings, fits.parameters)
+        for name, values in zip(_DEVIATIONS, smoothed_extremes(deviation, bearings), strict=True):
+            found[name][rows] = values
+    return found
+
+
+def _section(rings: xr.Dataset, mask: xr.Dataset, found: dict[str, np.ndarray]) -> xr.Dataset:
+    distance = rings["distance"].values
+    odometer = rings.attrs.get("distance_source", "odometer") == "odometer"
+    columns = {
+        "chainage": distance,
+        "distance": distance if odometer else np.full(len(distance), np.nan),
+        "coverage": mask["coverage"].values,
+        "status": found["status"],
+        **{name: found[name] for name in (*_PER_STATION, *_DEVIATIONS)},
+    }
+    return xr.Dataset(
+        {
+            **{name: ("station", values) for name, values in columns.items()},
+            "parameters": (("station", "parameter"), found["parameters"][:, 2:]),
+            "covariance": (("station", "parameter", "parameter_2"), found["covariance"][:, 2:, 2:]),
+        },
+        coords={"parameter": list(SECTION_PARAMETERS), "parameter_2": list(SECTION_PARAMETERS)},
+    )
+
+
+def _pose(rings: xr.Dataset, found: dict[str, np.ndarray]) -> xr.Dataset:
+    """Return the sensor's pose: the offset from the section's centre, attitude where the rings carry it."""
+    count = rings.sizes["ring"]
+    terms = {name: np.full(count, np.nan) for name in POSE_TERMS}
+    covariance = np.full((count, 5, 5), np.nan, np.float32)
+    why = {"roll": "a ring alone does not show roll"}
+    if rings.attrs.get("referred_to") == "axis":
+        for term, source in (("offset_y", "y"), ("offset_z", "z"), ("pitch", "pitch"), ("yaw", "yaw")):
+            if f"sensor_{source}" in rings:
+                terms[term] = rings[f"sensor_{source}"].values
+                diagonal = POSE_TERMS.index(term)
+                covariance[:, diagonal, diagonal] = rings[f"sensor_{source}_sigma"].values ** 2
+            else:
+                why[term] = "the rings were given about the pipe's axis, without the sensor's pose"
+    else:
+        terms["offset_y"], terms["offset_z"] = -found["centre_y"], -found["centre_z"]
+        covariance[:, :2, :2] = found["covariance"][:, [[1, 1], [0, 0]], [[1, 0], [1, 0]]]
+        why["pitch"] = why["yaw"] = "one ring shows its tilt to second order only"
+    sigma = {f"{name}_sigma": np.sqrt(covariance[:, i, i].astype(float)) for i, name in enumerate(POSE_TERMS)}
+    return xr.Dataset(
+        {
+            **{name: ("ring", values) for name, values in (terms | sigma).items()},
+            "covariance": (("ring", "pose", "pose_2"), covariance),
+        },
+        coords={"pose": list(POSE_TERMS), "pose_2": list(POSE_TERMS)},
+        attrs={"why_missing": json.dumps(why)},
+    )
+
+
+def _scale(survey: Survey, config: Config) -> tuple[float, str]:
+    """Return the relative one-sigma of the sensor's scale, and where it comes from."""
+    if survey.has("calibration") and "range_scale_sigma" in survey.calibration:
+        return float(survey.calibration["range_scale_sigma"]), "calibration"
+    kind = survey.rings.attrs.get("sensor_kind", "unknown")
+    return config.sensor.scale_sigma.of(kind), f"default for a sensor of kind {kind}"
+
+
+def _explain(survey: Survey, status: np.ndarray) -> Survey:
+    without = int((status != 0).sum())
+    if without:
+        codes, counts = np.unique(status[status != 0], return_counts=True)
+        reasons = ", ".join(f"{FIT_STATUS[code]} ({n})" for code, n in zip(codes, counts, strict=True))
+        survey = add_warning(survey, f"{without} of {len(status)} stations have no section: {reasons}.")
+    if survey.rings.attrs.get("referred_to") != "axis":
+        survey = add_assumption(
+            survey,
+            "Rings are taken as perpendicular to the pipe: the sensor's tilt is not estimated, and 3 degrees of it "
+            "read as 0.14 % of ovality.",
+        )
+    return survey
