@@ -509,3 +509,19 @@ SURVEY_FOLDER_KEYS = {
     "units": "table: unit of a column whose name has none",
 }
 """Keys of `survey.toml`; any other key is refused."""
+
+SURVEY_SENSOR_KEYS = {
+    "kind": "ring-laser, depth-camera, lidar or unknown",
+    "bearing_zero": "where the device's zero lies: right, crown, left or invert",
+    "bearing_sense": "ccw or cw, looking forward",
+    "range_noise": "one-sigma of a reading with its unit, such as '0.5mm'",
+    "referred_to": "sensor or axis: what the ranges are measured from",
+    "offset_x": "sensor ahead of the robot's origin, with its unit",
+    "offset_y": "sensor above the robot's origin, with its unit",
+    "offset_z": "sensor to the right of the robot's origin, with its unit",
+    "boresight_pitch_deg": "ring plane's normal against the robot's forward axis, nose up",
+    "boresight_yaw_deg": "the same, nose to the right",
+    "boresight_roll_deg": "zero reading against its nominal bearing, from robot z towards robot y",
+}
+"""Keys of the table `[sensor]` of `survey.toml`; lengths are stored as attributes of `/rings` in m, angles in rad
+without the `_deg`."""

@@ -1,0 +1,92 @@
+"""Writing of survey folders."""
+
+from __future__ import annotations
+
+import json
+from math import degrees
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import tomli_w
+
+from ..conventions import SURVEY_FOLDER_KEYS, SURVEY_SENSOR_KEYS
+from .ring_csv import write_ring_csv
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    import xarray as xr
+
+    from ..survey import Survey
+
+_LENGTHS = ("nominal_diameter", "base_diameter", "wall_thickness")
+_RATES = {"gyro": "rad_s", "accel": "m_s2"}
+_ATTITUDE = ("heading", "inclination", "bank")
+_TIES = ("distance", "easting", "northing", "elevation", "sigma")
+
+
+def write_folder(survey: Survey, path: Path) -> None:
+    """Write `survey.toml` and a table for each of `/rings`, `/rings_rear`, `/inertial`, `/ties`, `/frames`.
+
+    Ranges and distances are written to 1e-6 m, bearings from +z counter-clockwise. Frame images stay where they are.
+    """
+    path.mkdir()
+    keys: dict[str, Any] = {}
+    for key in SURVEY_FOLDER_KEYS:
+        if key in survey.attrs:
+            keys[key] = f"{survey.attrs[key]:.9g} m" if key in _LENGTHS else survey.attrs[key]
+    parts: dict[str, str] = {}
+    for group in ("rings", "rings_rear"):
+        if survey.has(group):
+            parts[group] = f"{group}.csv"
+            write_ring_csv(survey, path / parts[group], group=group)
+    for group, table in (("inertial", _inertial), ("ties", _ties), ("frames", _frames)):
+        if survey.has(group):
+            parts[group] = f"{group}.csv"
+            table(survey.group(group), path / parts[group])
+    keys["parts"] = parts
+    if "rings" in parts or "rings_rear" in parts:
+        keys["sensor"] = _sensor(survey.group("rings" if "rings" in parts else "rings_rear"))
+        keys["units"] = {"range": "m"}
+    if survey.has("calibration") and "lens" in survey.calibration.attrs:
+        keys["lens"] = json.loads(survey.calibration.attrs["lens"])
+    (path / "survey.toml").write_text(tomli_w.dumps(keys), encoding="utf-8")
+
+
+def _sensor(rings: xr.Dataset) -> dict[str, Any]:
+    """Return the table `[sensor]`; bearings as written, whatever the device's own were."""
+    table: dict[str, Any] = {"bearing_zero": "right", "bearing_sense": "ccw"}
+    for key in SURVEY_SENSOR_KEYS:
+        stored = "sensor_kind" if key == "kind" else key.removesuffix("_deg")
+        if key in table or stored not in rings.attrs:
+            continue
+        value = rings.attrs[stored]
+        table[key] = value if isinstance(value, str) else degrees(value) if key.endswith("_deg") else f"{value:.9g} m"
+    return table
+
+
+def _inertial(data: xr.Dataset, path: Path) -> None:
+    columns = {"time_s": data["time"].values}
+    for name, unit in _RATES.items():
+        if name in data:
+            columns |= {f"{name}_{axis}_{unit}": data[name].values[:, i] for i, axis in enumerate("xyz")}
+    columns |= {f"{name}_deg": np.degrees(data[name].values) for name in _ATTITUDE if name in data}
+    _write(columns, path)
+
+
+def _ties(data: xr.Dataset, path: Path) -> None:
+    _write({f"{name}_m": data[name].values for name in _TIES}, path)
+
+
+def _frames(data: xr.Dataset, path: Path) -> None:
+    columns = {f"{name}_{unit}": data[name].values for name, unit in (("time", "s"), ("distance", "m")) if name in data}
+    columns["file"] = data["path"].values
+    if "lens" in data:
+        columns["lens"] = data["lens"].values
+    _write(columns, path)
+
+
+def _write(columns: dict[str, np.ndarray], path: Path) -> None:
+    import pandas as pd
+
+    pd.DataFrame(columns).to_csv(path, index=False, float_format="%.12g", lineterminator="\n")

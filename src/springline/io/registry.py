@@ -1,0 +1,128 @@
+"""One table of formats: what each is called, holds and needs; the guess by content, and its overruling."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from importlib import import_module
+from typing import TYPE_CHECKING
+
+from ..errors import FormatError, InputError, nearest
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+    from pathlib import Path
+
+    from ..survey import Survey
+
+_CLOUD = frozenset(("nominal_diameter", "format", "unit", "axes", "sensor", "name"))
+_RINGS = frozenset(("nominal_diameter", "format", "unit", "bearing_zero", "bearing_sense", "sensor", "name"))
+_DEPTH = frozenset(("nominal_diameter", "format", "intrinsics", "depth_unit", "axes", "sensor", "name"))
+_STORED = frozenset(("nominal_diameter", "format", "sensor", "name"))
+_TABLE = (("rings",), ("distance", "time", "bearing", "range"))
+_PARTS = ("rings", "rings_rear", "inertial", "ties", "frames", "calibration")
+
+
+@dataclass(frozen=True)
+class Format:
+    """One format.
+
+    Args:
+        key: What `format=` and `--format` call it.
+        title: For people.
+        extensions: By habit, with the dot; the first one is written.
+        holds: clouds, rings, depth images or surveys.
+        reader: "module:function" in this package, or None.
+        writer: "module:function" in this package, or None.
+        extra: Optional dependency that it needs, or None.
+        options: Names of the `ReadOptions` that mean something to it.
+        groups: Groups that its writer writes, any of which will do.
+        variables: Variables of those groups that it holds; all when empty.
+    """
+
+    key: str
+    title: str
+    extensions: tuple[str, ...]
+    holds: str
+    reader: str | None
+    writer: str | None
+    extra: str | None = None
+    options: frozenset[str] = field(default=_CLOUD, repr=False)
+    groups: tuple[str, ...] = ("points",)
+    variables: tuple[str, ...] = ()
+
+    @property
+    def holds_all(self) -> bool:
+        """Whether a survey written in it loses nothing."""
+        return self.key == "zarr"
+
+    def read_function(self) -> Callable[..., Survey]:
+        """Return the function that reads it: (path, options) -> Survey."""
+        return _load(self.reader)
+
+    def write_function(self) -> Callable[..., None]:
+        """Return the function that writes it: (survey, path) -> None."""
+        return _load(self.writer)
+
+
+FORMATS = {
+    f.key: f
+    for f in (
+        Format("ply", "PLY vertices, ascii or binary", (".ply",), "clouds", "ply:read_ply", "ply:write_ply"),
+        Format("xyz", "text with x, y, z", (".xyz", ".asc", ".pts"), "clouds", "xyz:read_xyz", None),
+        Format("depth", "16-bit depth image with intrinsics", (".png", ".tif", ".tiff"), "depth images",
+               "depth:read_depth", None, "depth", _DEPTH),
+        Format("csv", "ring table as text, wide or long", (".csv", ".tsv", ".txt"), "rings",
+               "ring_csv:read_ring_csv", "ring_csv:write_ring_csv", None, _RINGS, *_TABLE),
+        Format("folder", "survey folder: survey.toml beside its tables", ("",), "surveys",
+               "survey_folder:read_folder", "folder_writer:write_folder", None, _RINGS, _PARTS),
+        Format("zarr", "Springline's own store, a folder or one .zip", (".zarr", ".zarr.zip", ".zip"), "surveys",
+               "zarr_store:read_zarr", "zarr_store:write_zarr", None, _STORED, ()),
+    )
+}  # fmt: skip
+"""All formats by key."""
+
+
+def by_key(key: str) -> Format:
+    """Return the format called `key`, which may also be a file extension that only one format has.
+
+    Raises:
+        InputError: There is none of that name.
+    """
+    wanted = key.lower().removeprefix(".")
+    if wanted in FORMATS:
+        return FORMATS[wanted]
+    found = [f for f in FORMATS.values() if f".{wanted}" in f.extensions]
+    if len(found) == 1:
+        return found[0]
+    raise InputError(
+        f"the format '{key}' is unknown{nearest(wanted, FORMATS)}", where="format", expected=", ".join(FORMATS)
+    )
+
+
+def guess(path: Path) -> Format:
+    """Return the format of an input by its content.
+
+    Raises:
+        InputError: There is nothing at `path`, or it is empty.
+        FormatError: The content is none of a known format.
+    """
+    from .sniff import sniff
+
+    if not path.exists():
+        raise InputError("no such file", where=path, mend="check the path")
+    key = sniff(path)
+    if key is None:
+        raise FormatError(
+            "the format is not known",
+            where=path,
+            expected=f"one of {', '.join(FORMATS)}",
+            mend="say which with --format, or see: springline formats",
+        )
+    return FORMATS[key]
+
+
+def _load(place: str | None) -> Callable:
+    if place is None:
+        raise InputError("the format cannot be used that way", where="format", mend="see: springline formats")
+    module, name = place.split(":")
+    return getattr(import_module(f".{module}", __package__), name)
