@@ -1,0 +1,66 @@
+"""The summary of an inspection: the few numbers that stand at the top of everything."""
+
+from __future__ import annotations
+
+import json
+import math
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from .. import __version__
+from .results import Results, feature_count, worst_station
+
+if TYPE_CHECKING:
+    from ..survey import Survey
+
+
+def summary(survey: Survey) -> dict[str, Any]:
+    """Return the content of `summary.json`; None where a value is not available.
+
+    Lengths of coverage: `unseen_m` is the length of stations under 50 % coverage and of gaps of more than three
+    spacings between stations. `features` is how many were found, None when nobody looked for any.
+
+    Args:
+        survey: A finished survey.
+
+    Raises:
+        ContractError: The survey is not finished.
+    """
+    results = Results(survey)
+    ovality, deflection, loss = (results.metric(name) for name in ("ovality_polar", "deflection", "area_loss"))
+    most_oval, most_deflected, most_lost = (worst_station(values) for values in (ovality, deflection, loss))
+    coverage = results.coverage
+    return {
+        "name": survey.attrs.get("name"),
+        "length_m": _number(results.length, 1.0, 4),
+        "stations": results.stations,
+        "nominal_diameter_mm": _number(survey.attrs.get("nominal_diameter"), 1e3, 3),
+        "coverage_pct": _number(np.mean(np.nan_to_num(coverage)) if np.isfinite(coverage).any() else None, 1e2, 2),
+        "unseen_m": _number(results.unseen, 1.0, 4),
+        "diameter_mean_mm": _number(results.metrics_attr("diameter_mean"), 1e3, 4),
+        "diameter_sigma_mm": _number(results.metrics_attr("diameter_sigma"), 1e3, 4),
+        "diameter_sigma_fit_mm": _number(results.metrics_attr("diameter_sigma_fit"), 1e3, 4),
+        "diameter_sigma_scale_mm": _number(results.metrics_attr("diameter_sigma_scale"), 1e3, 4),
+        "ovality_polar_max_pct": _at(ovality, most_oval, 1e2),
+        "ovality_polar_max_chainage_m": _at(results.chainage, most_oval, 1.0),
+        "deflection_max_pct": _at(deflection, most_deflected, 1e2),
+        "deflection_max_chainage_m": _at(results.chainage, most_deflected, 1.0),
+        "area_loss_max_pct": _at(loss, most_lost, 1e2),
+        "features": feature_count(survey),
+        "rules": json.loads(survey.attrs.get("rules", "[]")),
+        "warnings": survey.warnings,
+        "assumptions": survey.assumptions,
+        "version": results.provenance.get("version", __version__),
+    }
+
+
+def _at(values: np.ndarray, station: int | None, factor: float) -> float | None:
+    return None if station is None else _number(values[station], factor, 4)
+
+
+def _number(value: Any, factor: float, decimals: int) -> float | None:
+    """Return a rounded plain number; None for what is missing, because JSON has no NaN."""
+    if value is None or not math.isfinite(value):
+        return None
+    return round(float(value) * factor, decimals) + 0.0

@@ -1,0 +1,161 @@
+"""The wall unrolled: departure from a circle and from the fitted section, by chainage and bearing about the axis.
+
+One pass over the rings feeds mesh, report and viewer. Where several readings share a cell the one furthest from the
+fitted section stays, so that no resampling hides a dent. A cell without a used reading stays empty, with the reason.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import pi
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ..conventions import MASK_REASONS
+
+if TYPE_CHECKING:
+    from .results import Results, RingBlock
+
+NO_SECTION = 7
+"""Reason beyond those of the mask: the reading is good, but its station has no section to stand on."""
+
+REASONS = {**MASK_REASONS, NO_SECTION: "no_section"}
+"""Why a cell shows a departure (0) or none."""
+
+NO_STATION = 255
+"""Reason of a column that no station reaches."""
+
+# Which reason speaks for a cell that holds several.
+_PRIORITY = (0, 5, 3, NO_SECTION, 4, 2, 6, 1)
+_ROWS = (12, 180)
+
+
+@dataclass(frozen=True)
+class Unrolled:
+    """The unrolled wall, cells (group of stations, bearing about the axis).
+
+    Attributes:
+        start: Where each group starts [m].
+        end: Where each group ends [m].
+        bearing: Bearing about the axis of the cells' middles [rad].
+        shape: Departure from the circle of `circle_diameter`, outward positive [m], float32; NaN = no used reading.
+        surface: Departure from the fitted section, outward positive [m], float32.
+        reason: Flags of `REASONS`, uint8.
+        circle_diameter: Diameter of the circle [m].
+    """
+
+    start: np.ndarray
+    end: np.ndarray
+    bearing: np.ndarray
+    shape: np.ndarray
+    surface: np.ndarray
+    reason: np.ndarray
+    circle_diameter: float
+
+    def columns(self, edges: np.ndarray) -> Unrolled:
+        """Return the same wall on columns between chainage `edges` [m], for instance the pixels of a picture.
+
+        Columns that no group reaches have the reason `NO_STATION`.
+        """
+        first = np.clip(np.searchsorted(edges, self.start, "right") - 1, 0, edges.size - 2)
+        last = np.clip(np.searchsorted(edges, self.end, "left") - 1, first, edges.size - 2)
+        counts = last - first + 1
+        group = np.repeat(np.arange(first.size), counts)
+        column = np.arange(group.size) - np.repeat(np.cumsum(counts) - counts - first, counts)
+        order = np.argsort(column, kind="stable")
+        group, column = group[order], column[order]
+        reached, starts = np.unique(column, return_index=True)
+        size = (edges.size - 1, self.bearing.size)
+        shape, surface = np.full(size, np.nan, np.float32), np.full(size, np.nan, np.float32)
+        reason = np.full(size, NO_STATION, np.uint8)
+        rank = np.argsort(_PRIORITY).astype(np.uint8)
+        stops = np.append(starts[1:], group.size)
+        for at, i, j in zip(reached.tolist(), starts.tolist(), stops.tolist(), strict=True):
+            rows = group[i:j]
+            furthest = np.argmax(np.nan_to_num(np.abs(self.surface[rows]), nan=-1.0), axis=0)[None]
+            shape[at] = np.take_along_axis(self.shape[rows], furthest, 0)[0]
+            surface[at] = np.take_along_axis(self.surface[rows], furthest, 0)[0]
+            reason[at] = np.take(_PRIORITY, rank[self.reason[rows]].min(axis=0))
+        return Unrolled(edges[:-1], edges[1:], self.bearing, shape, surface, reason, self.circle_diameter)
+
+
+def unroll(results: Results, *, cells: int = 4_000_000) -> Unrolled:
+    """Return the unrolled wall, with at most about `cells` cells.
+
+    Bearings have half as many rows as a ring has readings, so that a sensor off the axis leaves no false hole, and 180
+    at most.
+
+    Args:
+        results: The finished survey.
+        cells: Largest number of cells; neighbouring stations are joined to stay below it.
+    """
+    rows = min(max(results.bearing.size // 2, _ROWS[0]), _ROWS[1])
+    group = results.groups(max(cells // rows, 1))
+    start, end = results.extents
+    first = np.flatnonzero(np.diff(group, prepend=-1))
+    last = np.append(first[1:], group.size) - 1
+    size = first.size * rows
+    furthest = np.zeros(size, np.uint64)
+    seen = np.zeros(size, np.uint8)
+    radius = results.circle_diameter / 2
+    for block in results.blocks():
+        at = group[results.station_of_ring[block.start : block.start + len(block.range)]]
+        _scatter(block, at, rows, results.bearing, radius, furthest, seen)
+    reason = np.full(size, 1, np.uint8)
+    for flag in reversed(_PRIORITY):
+        reason[(seen & (1 << flag)) > 0] = flag
+    shape, surface = _unpack(furthest)
+    shape[reason != 0] = surface[reason != 0] = np.nan
+    grid = (first.size, rows)
+    bearing = np.arange(rows) * (2 * pi / rows)
+    return Unrolled(
+        start[first],
+        end[last],
+        bearing,
+        shape.reshape(grid),
+        surface.reshape(grid),
+        reason.reshape(grid),
+        results.circle_diameter,
+    )
+
+
+def _pack(shape: np.ndarray, surface: np.ndarray) -> np.ndarray:
+    """Return both departures as one integer that sorts by the size of `surface`.
+
+    Positive floats sort as their bits do. The lowest bit of `surface` gives way to its sign.
+    """
+    bits = surface.astype(np.float32).view(np.uint32)
+    key = (bits & np.uint32(0x7FFFFFFE)) | (bits >> np.uint32(31))
+    return (key.astype(np.uint64) << np.uint64(32)) | shape.astype(np.float32).view(np.uint32)
+
+
+def _unpack(packed: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    key = (packed >> np.uint64(32)).astype(np.uint32)
+    surface = ((key & np.uint32(0x7FFFFFFE)) | (key << np.uint32(31))).view(np.float32)
+    return packed.astype(np.uint32).view(np.float32).copy(), surface.copy()
+
+
+def _scatter(
+    block: RingBlock,
+    group: np.ndarray,
+    rows: int,
+    bearing: np.ndarray,
+    radius: float,
+    furthest: np.ndarray,
+    seen: np.ndarray,
+) -> None:
+    about, phi = block.about_centre(bearing)
+    unplaced = np.where(np.isfinite(block.range), NO_SECTION, 1)
+    reason = np.where((block.reason == 0) & ~np.isfinite(about), unplaced, block.reason)
+    used = reason == 0
+    # What was not used lies on no wall: it is shown where its ray meets the circle.
+    cy, cz = np.nan_to_num(block.centre_y), np.nan_to_num(block.centre_z)
+    uy, uz = np.sin(bearing), np.cos(bearing)
+    along = cy * uy + cz * uz
+    ray = along + np.sqrt(np.maximum(radius**2 - cy**2 - cz**2 + along**2, 0.0))
+    phi = np.where(used, phi, np.arctan2(ray * uy - cy, ray * uz - cz))
+    cell = group[:, None] * rows + np.rint(phi * (rows / (2 * pi))).astype(np.int64) % rows
+    surface = about - block.fitted(phi)
+    np.maximum.at(furthest, cell[used], _pack((about - radius)[used], surface[used]))
+    np.bitwise_or.at(seen, cell.ravel(), np.left_shift(1, reason).astype(np.uint8).ravel())

@@ -1,0 +1,98 @@
+"""All files of an inspection, written whole or not at all."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from ..errors import OutputError
+from ..survey import save_survey
+from ..survey.files import replacing
+from . import tables
+from .mesh import write_glb
+from .report import render_report
+from .results import Results
+from .summary import summary
+from .unroll import unroll
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from ..survey import Survey
+
+_OWN = ("summary.json", "stations.csv")
+
+
+def write_outputs(
+    survey: Survey,
+    directory: str | Path,
+    *,
+    config_toml: str,
+    force: bool = False,
+    progress: Callable[[str], None] | None = None,
+) -> list[Path]:
+    """Write the files of an inspection into a new folder, which appears only when all of them are complete.
+
+    Args:
+        survey: A finished survey.
+        directory: The folder to make.
+        config_toml: The resolved settings as TOML.
+        force: Replace the folder when it holds an earlier inspection.
+        progress: Called with the name of each file before it is written.
+
+    Returns:
+        The files.
+
+    Raises:
+        ContractError: The survey is not finished.
+        OutputError: The folder exists and `force` is not given, or it holds something else than an inspection, or
+            the disk refuses.
+    """
+    directory = Path(directory)
+    _check_replaceable(directory, force)
+    results = Results(survey)
+    with replacing(directory, force=force) as temporary:
+        temporary.mkdir()
+        for name, write in _writers(results, config_toml).items():
+            if progress is not None:
+                progress(name)
+            write(temporary / name)
+        names = sorted(path.name for path in temporary.iterdir())
+    return [directory / name for name in names]
+
+
+def _check_replaceable(directory: Path, force: bool) -> None:
+    """Refuse to throw away a folder that is not ours, such as a home folder named by mistake."""
+    if not force or not directory.exists():
+        return
+    if not directory.is_dir():
+        raise OutputError("it is a file, not a folder", where=directory, mend="choose another folder")
+    if any(directory.iterdir()) and not all((directory / name).exists() for name in _OWN):
+        raise OutputError(
+            "it holds other files than those of an inspection, and --force would remove them",
+            where=directory,
+            mend="choose another folder",
+        )
+
+
+def _writers(results: Results, config_toml: str) -> dict[str, Callable[[Path], object]]:
+    survey = results.survey
+    name = str(survey.attrs.get("name") or "pipe")
+    wall = unroll(results)
+
+    def text(content: str) -> Callable[[Path], object]:
+        return lambda path: path.write_text(content, encoding="utf-8")
+
+    return {
+        "summary.json": lambda path: text(json.dumps(summary(survey), indent=2, ensure_ascii=False) + "\n")(path),
+        "stations.csv": lambda path: tables.write_csv(tables.stations_table(survey), path, tables.STATION_DECIMALS),
+        "stations_sigma.csv": lambda path: tables.write_csv(
+            tables.stations_sigma_table(survey), path, tables.STATION_DECIMALS
+        ),
+        "features.csv": lambda path: tables.write_csv(tables.features_table(survey), path, tables.FEATURE_DECIMALS),
+        "config.toml": text(config_toml),
+        "pipe.glb": lambda path: write_glb(wall, path, name=name),
+        "report.html": lambda path: text(render_report(results, wall, config_toml))(path),
+        "survey.zarr.zip": lambda path: save_survey(survey, path),
+    }
