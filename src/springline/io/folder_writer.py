@@ -50,15 +50,18 @@ def write_folder(survey: Survey, path: Path) -> None:
         keys["units"] = {"range": "m"}
     if survey.has("calibration") and "lens" in survey.calibration.attrs:
         keys["lens"] = json.loads(survey.calibration.attrs["lens"])
-    (path / "survey.toml").write_text(tomli_w.dumps(keys), encoding="utf-8")
+    assumed = "".join(f"# assumed when this folder was written: {sentence}\n" for sentence in survey.assumptions)
+    (path / "survey.toml").write_text(assumed + tomli_w.dumps(keys), encoding="utf-8")
 
 
 def _sensor(rings: xr.Dataset) -> dict[str, Any]:
-    """Return the table `[sensor]`; bearings as written, whatever the device's own were."""
-    table: dict[str, Any] = {"bearing_zero": "right", "bearing_sense": "ccw"}
+    """Return the table `[sensor]`; bearings as written here, unless those of the source were assumed."""
+    table: dict[str, Any] = {}
+    if not rings.attrs.get("bearing_assumed"):
+        table = {"bearing_zero": "right", "bearing_sense": "ccw"}
     for key in SURVEY_SENSOR_KEYS:
         stored = "sensor_kind" if key == "kind" else key.removesuffix("_deg")
-        if key in table or stored not in rings.attrs:
+        if key.startswith("bearing") or stored not in rings.attrs:
             continue
         value = rings.attrs[stored]
         table[key] = value if isinstance(value, str) else degrees(value) if key.endswith("_deg") else f"{value:.9g} m"

@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..errors import FormatError
-from .axes import CAMERA, from_contract
+from .axes import CAMERA
+from .cloud_export import points_of
 from .clouds import RawCloud, cloud_survey
 from .tables import parse_numbers
 
@@ -25,6 +26,7 @@ _TYPES = {
 _ORDERS = {"ascii": "", "binary_little_endian": "<", "binary_big_endian": ">"}
 _HEADER_LIMIT = 1 << 16
 _STATEMENT = "springline metres, axes "
+_ASSUMED = "springline assumed: "
 _INTENSITY = ("intensity", "scalar_intensity", "reflectance", "scalar_reflectance")
 
 
@@ -69,33 +71,38 @@ def read_ply(path: Path, options: ReadOptions) -> Survey:
         unit="m" if axes else None,
         intensity=intensity,
         time=vertices[names["time"]] if "time" in names else None,
+        notes=tuple(c.removeprefix(_ASSUMED) for c in header.comments if c.startswith(_ASSUMED)),
     )
     return cloud_survey(raw, path, options)
 
 
 def write_ply(survey: Survey, path: Path) -> None:
-    """Write `/points` as binary little-endian PLY with doubles in camera axes, stated in a comment."""
-    points = survey.points
-    fields = [(axis, "<f8") for axis in "xyz"] + [
-        (name, kind) for name, kind in (("intensity", "<f4"), ("time", "<f8")) if name in points
-    ]
-    vertices = np.empty(points.sizes["point"], fields)
-    xyz = from_contract(points["x"].values, points["y"].values, points["z"].values, CAMERA)
-    for axis, values in zip("xyz", xyz.T, strict=True):
-        vertices[axis] = values
-    for name, _ in fields[3:]:
-        vertices[name] = points[name].values
+    """Write points as binary little-endian PLY with doubles in camera axes, which a comment in it states.
+
+    The points are those of `cloud_export.points_of`; assumptions travel as comments.
+    """
+    points = points_of(survey, CAMERA)
+    columns = {axis: (points.xyz[:, i], "<f8") for i, axis in enumerate("xyz")}
+    if points.intensity is not None:
+        columns["intensity"] = (points.intensity, "<f4")
+    if points.time is not None:
+        columns["time"] = (points.time, "<f8")
+    fields = [(name, kind) for name, (_, kind) in columns.items()]
+    vertices = np.empty(len(points.xyz), fields)
+    for name, (values, _) in columns.items():
+        vertices[name] = values
     kinds = {"<f8": "double", "<f4": "float"}
     lines = [
         "ply",
         "format binary_little_endian 1.0",
         f"comment {_STATEMENT}{CAMERA}",
+        *(f"comment {_ASSUMED}{sentence}" for sentence in survey.assumptions),
         f"element vertex {len(vertices)}",
         *(f"property {kinds[kind]} {name}" for name, kind in fields),
         "end_header",
     ]
     with path.open("wb") as stream:
-        stream.write(("\n".join(lines) + "\n").encode("ascii"))
+        stream.write(("\n".join(lines) + "\n").encode("latin-1", "replace"))
         vertices.tofile(stream)
 
 

@@ -18,6 +18,7 @@ _CLOUD = frozenset(("nominal_diameter", "format", "unit", "axes", "sensor", "nam
 _RINGS = frozenset(("nominal_diameter", "format", "unit", "bearing_zero", "bearing_sense", "sensor", "name"))
 _DEPTH = frozenset(("nominal_diameter", "format", "intrinsics", "depth_unit", "axes", "sensor", "name"))
 _STORED = frozenset(("nominal_diameter", "format", "sensor", "name"))
+_LIBRARIES = {"depth": ("PIL",), "las": ("laspy", "lazrs"), "e57": ("pye57",), "parquet": ("pyarrow",)}
 _TABLE = (("rings",), ("distance", "time", "bearing", "range"))
 _PARTS = ("rings", "rings_rear", "inertial", "ties", "frames", "calibration")
 
@@ -35,7 +36,7 @@ class Format:
         writer: "module:function" in this package, or None.
         extra: Optional dependency that it needs, or None.
         options: Names of the `ReadOptions` that mean something to it.
-        groups: Groups that its writer writes, any of which will do.
+        groups: Groups that its writer can write; a cloud format writes the first of them that is there.
         variables: Variables of those groups that it holds; all when empty.
     """
 
@@ -47,8 +48,13 @@ class Format:
     writer: str | None
     extra: str | None = None
     options: frozenset[str] = field(default=_CLOUD, repr=False)
-    groups: tuple[str, ...] = ("points",)
+    groups: tuple[str, ...] = ("points", "rings")
     variables: tuple[str, ...] = ()
+
+    @property
+    def libraries(self) -> tuple[str, ...]:
+        """Modules of the optional dependency that it needs."""
+        return _LIBRARIES.get(self.extra or "", ())
 
     @property
     def holds_all(self) -> bool:
@@ -68,11 +74,19 @@ FORMATS = {
     f.key: f
     for f in (
         Format("ply", "PLY vertices, ascii or binary", (".ply",), "clouds", "ply:read_ply", "ply:write_ply"),
+        Format("pcd", "PCD, ascii, binary or compressed", (".pcd",), "clouds", "pcd:read_pcd", None),
+        Format("las", "LAS, and LAZ compressed", (".las", ".laz"), "clouds", "las:read_las", "las:write_las", "las"),
+        Format("e57", "E57 terrestrial scans", (".e57",), "clouds", "e57:read_e57", None, "e57"),
+        Format("mesh", "vertices of OBJ and STL meshes", (".obj", ".stl"), "clouds", "mesh:read_mesh", None),
+        Format("npy", "numpy arrays: a cloud, or rings", (".npy", ".npz"), "clouds or rings",
+               "numpy_files:read_numpy", None, None, _CLOUD | _RINGS),
         Format("xyz", "text with x, y, z", (".xyz", ".asc", ".pts"), "clouds", "xyz:read_xyz", None),
         Format("depth", "16-bit depth image with intrinsics", (".png", ".tif", ".tiff"), "depth images",
                "depth:read_depth", None, "depth", _DEPTH),
         Format("csv", "ring table as text, wide or long", (".csv", ".tsv", ".txt"), "rings",
                "ring_csv:read_ring_csv", "ring_csv:write_ring_csv", None, _RINGS, *_TABLE),
+        Format("parquet", "ring table as Parquet, wide or long", (".parquet", ".pq"), "rings",
+               "ring_parquet:read_ring_parquet", "ring_parquet:write_ring_parquet", "parquet", _RINGS, *_TABLE),
         Format("folder", "survey folder: survey.toml beside its tables", ("",), "surveys",
                "survey_folder:read_folder", "folder_writer:write_folder", None, _RINGS, _PARTS),
         Format("zarr", "Springline's own store, a folder or one .zip", (".zarr", ".zarr.zip", ".zip"), "surveys",

@@ -4,6 +4,9 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+import numpy as np
+
+from .fixed_text import fixed_text
 from .ring_export import blocks
 from .rings import ring_survey
 from .tables import open_table
@@ -14,6 +17,8 @@ if TYPE_CHECKING:
     from ..survey import Survey
     from .options import ReadOptions
     from .rings import Statements
+
+_DECIMALS = 6
 
 
 def read_ring_csv(path: Path, options: ReadOptions, statements: Statements | None = None) -> Survey:
@@ -26,6 +31,8 @@ def write_ring_csv(survey: Survey, path: Path, *, group: str = "rings") -> None:
 
     Rings whose bearings are not equally spaced from zero are written long: `distance_m, bearing_deg, radius_m`.
     """
-    with path.open("w", encoding="utf-8", newline="") as stream:
+    with path.open("wb") as stream:
         for number, frame in enumerate(blocks(survey.group(group))):
-            frame.to_csv(stream, index=False, header=number == 0, float_format="%.6f", lineterminator="\n")
+            if number == 0:
+                stream.write((",".join(frame.columns) + "\n").encode())
+            stream.write(fixed_text(frame.to_numpy(np.float64), _DECIMALS))

@@ -37,6 +37,7 @@ class Statements:
         bearing_sense: ccw or cw.
         attrs: Attributes of `/rings` that the file states.
         flags: How the user may state bearings, for the sentence that tells what was assumed.
+        assumptions: Sentences on what was assumed when the table was made.
     """
 
     units: Mapping[str, str] = field(default_factory=dict)
@@ -44,6 +45,7 @@ class Statements:
     bearing_sense: str | None = None
     attrs: Mapping[str, object] = field(default_factory=dict)
     flags: str = "--bearing-zero crown --bearing-sense cw"
+    assumptions: tuple[str, ...] = ()
 
 
 def is_ring_table(names: tuple[str, ...]) -> bool:
@@ -77,9 +79,24 @@ def ring_survey(table: Table, options: ReadOptions, statements: Statements | Non
     if not table.names:
         raise FormatError("the table has no header", where=path, expected="a header such as distance_m, r_0, r_1, ...")
     columns = [parse_column(name) for name in table.names]
-    notes: list[str] = []
     wide = any(c.index is not None for c in columns)
     arrays = read_wide(table, columns) if wide else read_long(table, columns, statements.units)
+    return rings_from_arrays(arrays, columns, path, options, statements)
+
+
+def rings_from_arrays(
+    arrays: RingArrays, columns: list[Column], path: Path, options: ReadOptions, statements: Statements
+) -> Survey:
+    """Return a survey with `/rings` from rings as a file holds them, changed in place; checks as in `ring_survey`.
+
+    Args:
+        arrays: The rings.
+        columns: What the names of the file's columns say.
+        path: The file, for messages.
+        options: What the user states.
+        statements: What the file's surroundings state.
+    """
+    notes = list(statements.assumptions)
     readings = [c for c in columns if c.quantity == "range"]
     _settle_units(arrays, columns, readings, path, options, statements, notes)
     if not np.isfinite(arrays.ranges).any():

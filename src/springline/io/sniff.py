@@ -22,6 +22,16 @@ _MAGIC = (
     (b"\x93NUMPY", "npy"),
 )
 _HEAD = 1 << 12
+_BY_EXTENSION = {
+    ".ply": "ply",
+    ".pcd": "pcd",
+    ".stl": "mesh",
+    ".obj": "mesh",
+    ".las": "las",
+    ".laz": "las",
+    ".e57": "e57",
+}
+"""Formats whose own reader tells best what is wrong with a damaged file."""
 
 
 def sniff(path: Path) -> str | None:
@@ -46,7 +56,7 @@ def sniff(path: Path) -> str | None:
         return _sniff_zip(path)
     if head.lstrip().startswith((b"# .PCD", b"VERSION ", b"# PCD")) and b"FIELDS" in head:
         return "pcd"
-    return _sniff_mesh(path, head) or _sniff_text(path, head)
+    return _sniff_mesh(path, head) or _sniff_text(path, head) or _BY_EXTENSION.get(path.suffix.lower())
 
 
 def _sniff_folder(path: Path) -> str:

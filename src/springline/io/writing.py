@@ -86,10 +86,15 @@ def left_out(survey: Survey, kind: Format) -> list[str]:
     """Return what of the survey a format does not hold: groups as '/name', variables as '/group variable'."""
     if kind.holds_all:
         return []
-    lost = []
-    for group in survey.groups:
-        if group not in kind.groups:
-            lost.append(f"/{group}")
-        elif kind.variables:
-            lost += [f"/{group} {v}" for v in map(str, survey.group(group).variables) if v not in kind.variables]
+    held = [group for group in kind.groups if survey.has(group)]
+    if kind.holds == "clouds":
+        held = held[:1]
+    lost = [f"/{group}" for group in survey.groups if group not in held]
+    if kind.holds == "clouds" and held == ["rings"]:
+        lost.append("which ring a point belongs to")
+    for group in held:
+        data = survey.group(group)
+        lost += [f"/{group} {v}" for v in map(str, data.variables) if kind.variables and v not in kind.variables]
+        if kind.key == "csv" and data.attrs.get("referred_to", "sensor") != "sensor":
+            lost.append(f"/{group} referred_to = {data.attrs['referred_to']}")
     return lost
