@@ -53,19 +53,11 @@ def ellipse_feet(z, y, n, par, distance, jacobian, foot):
     for i in range(n):
         dz = z[i] - cz
         dy = y[i] - cy
-        q0 = abs(ca * dz + sa * dy) * e0
-        q1 = max(abs(ca * dy - sa * dz), tiny) * e1
-        ratio = sqrt(q0 * q0 / (e0 * e0 * e0 * e0) + q1 * q1 / (e1 * e1 * e1 * e1))
-        low = max(q1, q0 - gap)
-        s = max(e0 * e1 * (ratio - 1.0) + e1 * e1, low)
-        for _ in range(2):
-            g0 = q0 / (s + gap)
-            g1 = q1 / s
-            g0 *= g0
-            g1 *= g1
-            q = g0 + g1
-            s = max(s + q * (sqrt(q) - 1.0) / (g0 / (s + gap) + g1 / s), low)
-        foot[i] = s
+        q0 = ca * dz + sa * dy
+        q1 = ca * dy - sa * dz
+        ratio = sqrt((q0 / e0) ** 2 + (q1 / e1) ** 2)
+        # along the ray from the centre; exact on a circle
+        foot[i] = max(e0 * e1 * (ratio - 1.0) + e1 * e1, tiny * e1)
     for _ in range(60):
         moved = 0.0
         for i in range(n):
@@ -73,18 +65,19 @@ def ellipse_feet(z, y, n, par, distance, jacobian, foot):
             dy = y[i] - cy
             q0 = abs(ca * dz + sa * dy) * e0
             q1 = max(abs(ca * dy - sa * dz), tiny) * e1
-            s = foot[i]
+            low = max(q1, q0 - gap)
+            s = max(foot[i], low)
             g0 = q0 / (s + gap)
             g1 = q1 / s
             g0 *= g0
             g1 *= g1
             q = g0 + g1
-            after = max(s + q * (sqrt(q) - 1.0) / (g0 / (s + gap) + g1 / s), max(q1, q0 - gap))
+            after = max(s + q * (sqrt(q) - 1.0) / (g0 / (s + gap) + g1 / s), low)
             step = (after - s) / s
             moved += step * step
             foot[i] = after
-        if moved <= 1e-20:
-            # convergence is quadratic: a last step of 1e-10 leaves rounding only
+        if moved <= 1e-14:
+            # convergence is quadratic: a last step of 1e-7 leaves rounding only
             break
     for i in range(n):
         dz = z[i] - cz

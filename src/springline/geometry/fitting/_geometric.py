@@ -16,7 +16,7 @@ from springline.geometry.fitting._moments import (
     gander,
 )
 from springline.geometry.fitting._readings import gather, normalise, order_by_angle
-from springline.geometry.fitting._refine import SCORE, SLOPE, USED, WEIGHT, gram, possible, refine
+from springline.geometry.fitting._refine import SCORE, SLOPE, SUMS, USED, WEIGHT, gram, possible, refine
 from springline.geometry.fitting._start import SECTORS, robust_start
 
 FITTED, TOO_FEW, COLLINEAR, SHORT_ARC, NO_CONVERGENCE, NOT_AN_ELLIPSE, SCATTERED = range(7)
@@ -27,11 +27,11 @@ ARC_BINS = 64
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def seen_arc(z, y, omega, n, par, low, high):
-    """Return the angle [rad] about the centre between the ends of the readings with weight: 2 pi less the widest gap.
+def spans(least, z, y, omega, n, par, low, high):
+    """Return whether the readings with weight span at least the angle `least` [rad] about the centre.
 
-    `low` and `high` are scratch for bins of the diamond angle, which orders as the bearing does; only the ends of the
-    gaps between occupied bins become true angles.
+    The span is 2 pi less the widest gap. `low` and `high` are scratch for bins of the diamond angle, which orders as
+    the bearing does and turns at most twice as slowly; only a doubtful case asks for true angles.
     """
     bins = low.size
     for k in range(bins):
@@ -49,16 +49,25 @@ def seen_arc(z, y, omega, n, par, low, high):
             k = min(int(turn * (0.25 * bins)), bins - 1)
             low[k] = min(low[k], turn)
             high[k] = max(high[k], turn)
-    first = last = -1.0
-    widest = 0.0
-    for k in range(bins):
-        if high[k] >= 0.0:
-            if first < 0.0:
-                first = low[k]
-            else:
-                widest = max(widest, _bearing(low[k]) - _bearing(last))
-            last = high[k]
-    return 2.0 * pi - max(widest, _bearing(first) + 2.0 * pi - _bearing(last))
+    for exact in range(2):
+        first = last = -1.0
+        widest = 0.0
+        for k in range(bins):
+            if high[k] >= 0.0:
+                if first < 0.0:
+                    first = low[k]
+                elif exact:
+                    widest = max(widest, _bearing(low[k]) - _bearing(last))
+                else:
+                    widest = max(widest, 2.0 * (low[k] - last))
+                last = high[k]
+        if exact:
+            widest = max(widest, _bearing(first) + 2.0 * pi - _bearing(last))
+        else:
+            widest = max(widest, 2.0 * (first + 4.0 - last))
+        if 2.0 * pi - widest >= least:
+            return True
+    return False
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -120,7 +129,7 @@ def _fit_one(p, n, z, y, w, index, robust, noise, least_arc, rows, keys, counts,
     robust = robust and n >= 3 * p
     if robust:
         order_by_angle(z, y, w, index, n, keys, counts, rows)
-        started = robust_start(p, z, y, w, n, par, sectors, small)
+        started = robust_start(p, z, y, w, n, par, sectors, rows, small)
     else:
         started = _plain_start(p, z, y, w, n, par, sectors, small)
     if not started:
@@ -129,7 +138,7 @@ def _fit_one(p, n, z, y, w, index, robust, noise, least_arc, rows, keys, counts,
     distance, omega, jacobian = rows[0], rows[1], rows[5:10]
     if not possible(p, par) or (p == 5 and par[3] ** 2 + par[4] ** 2 > (0.99 * par[2]) ** 2):
         return NOT_AN_ELLIPSE
-    if seen_arc(z, y, omega, n, par, rows[2, :ARC_BINS], rows[3, :ARC_BINS]) < least_arc:
+    if not spans(least_arc, z, y, omega, n, par, rows[2, :ARC_BINS], rows[3, :ARC_BINS]):
         return SHORT_ARC
     if not converged:
         return NO_CONVERGENCE
@@ -141,14 +150,11 @@ def _fit_one(p, n, z, y, w, index, robust, noise, least_arc, rows, keys, counts,
     freedom = used - p
     variance = np.nan
     if freedom > 0.0:
-        # psi^2 / (psi')^2 in means, spread over the information of the readings that still have weight
-        factor = sums[SCORE] * sums[WEIGHT] / sums[SLOPE] ** 2 * used / freedom
+        # psi^2 over (psi')^2 in means; the information is that of the readings that still have weight
+        variance = sigma * sigma
         if robust:
-            variance = sigma * sigma * factor
-            out[1] = scale * sigma
-        else:
-            variance = sigma * sigma
-            out[1] = scale * sigma
+            variance *= sums[SCORE] * sums[WEIGHT] / sums[SLOPE] ** 2 * used / freedom
+        out[1] = scale * sigma
     else:
         out[1] = np.nan
     total = 0.0
@@ -189,7 +195,7 @@ def fit_rings(p, z, y, weight, weighted, robust, noise, least_arc, keep, par, co
     rows = np.empty((10, max(points, ARC_BINS)))
     sectors = np.empty((SECTORS + 2, 15))
     small = np.empty((3, 5, 5))
-    sums = np.empty(6)
+    sums = np.empty(SUMS)
     for k in range(rings):
         row = k if weighted else 0
         n = gather(z[k], y[k], weight[row], weighted, gathered[0], gathered[1], gathered[2], index)

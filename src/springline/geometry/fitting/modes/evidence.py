@@ -182,7 +182,7 @@ def _sum_at(
     elliptic = (1.0 - share) * least[node] + share * least[node + 1]
     slope = (least[node + 1] - least[node]) / step
     cell = (1.0 - elliptic) / count
-    ellipse, circle = count, count + 1
+    ellipse = count
     by_ellipse = stride * abs(slope) if elliptic >= lowest else 0.0
     s0, crown = np.empty(count + 2), np.empty(count + 2)
     for i in range(count + 2):

@@ -189,7 +189,7 @@ def _rings_kernel(
         if count < 2 * kinds + 16:
             continue
         weight[:] = 1.0
-        noise, used, free = reject_outliers(design[:count], half[:count], value[:count], weight[:count])
+        noise, _used, free = reject_outliers(design[:count], half[:count], value[:count], weight[:count])
         believed = max(noise, least_noise)
         low, high, stride = first, last, 8
         for turn in range(_ROUNDS):

@@ -7,6 +7,8 @@ import math
 import numpy as np
 from numba import njit
 
+from springline.geometry.fitting._linalg import factorise, invert, substitute
+
 LOOSE = 4
 """Nuisances taken out of every ring: shift to the right, shift up, size, small turn."""
 
@@ -54,7 +56,7 @@ def fill_design(z, y, centre_z, centre_y, radius, oval, shapes, design, half, va
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def normal_equations(design, half, value, weight, loose):
-    """Return the weighted normal matrix, right side and sum of squares of both halves and the first `loose` nuisances."""
+    """Return the weighted normal matrix, right side and square sum of both halves and `loose` nuisances."""
     count, kinds = value.size, design.shape[1] - LOOSE
     both = 2 * kinds
     gram, moment, square = np.zeros((both + loose, both + loose)), np.zeros(both + loose), 0.0
@@ -92,13 +94,15 @@ def reject_outliers(design, half, value, weight):
     count, kinds = value.size, design.shape[1] - LOOSE
     width = 2 * kinds + 1
     residual = np.empty(count)
+    low, free = np.empty((width, width)), np.empty(width)
     scale = 0.0
     for _ in range(_ITERATIONS):
         gram, moment, _square = normal_equations(design, half, value, weight, 1)
         total = weight.sum()
         for p in range(width):
             gram[p, p] += _RIDGE * total
-        free = np.linalg.solve(gram, moment)
+        factorise(gram, width, low)
+        substitute(low, width, moment, free)
         for i in range(count):
             residual[i] = value[i] - design[i, kinds] * free[2 * kinds]
             for p in range(kinds):
@@ -132,26 +136,38 @@ def quadratic_form(design, half, value, weight, noise, turn_sigma):
     gram[both + 3, both + 3] += (noise / turn_sigma) ** 2
     for k in range(LOOSE):
         gram[both + k, both + k] += 1e-12 * weight.sum()
-    right = np.empty((LOOSE, both + 1))
-    right[:, :both] = gram[both:, :both]
-    right[:, both] = moment[both:]
-    solved = np.linalg.solve(gram[both:, both:], right)
-    form, line = gram[:both, :both].copy(), moment[:both].copy()
-    for k in range(LOOSE):
-        square -= moment[both + k] * solved[k, both]
-        for p in range(both):
-            line[p] -= gram[p, both + k] * solved[k, both]
-            for q in range(both):
-                form[p, q] -= gram[p, both + k] * solved[k, q]
+    low, inverse = np.empty((LOOSE, LOOSE)), np.empty((LOOSE, LOOSE))
+    factorise(gram[both:, both:], LOOSE, low)
+    invert(low, LOOSE, inverse)
     scale = 1.0 / (noise * noise)
-    return form * scale, line * scale, square * scale
+    form, line = np.empty((both, both)), np.empty(both)
+    taken = np.empty(LOOSE)
+    for p in range(both + 1):
+        for k in range(LOOSE):
+            taken[k] = 0.0
+            for m in range(LOOSE):
+                taken[k] += inverse[k, m] * (gram[p, both + m] if p < both else moment[both + m])
+        if p < both:
+            line[p] = moment[p]
+            for k in range(LOOSE):
+                line[p] -= taken[k] * moment[both + k]
+            line[p] *= scale
+            for q in range(both):
+                form[p, q] = gram[p, q]
+                for k in range(LOOSE):
+                    form[p, q] -= taken[k] * gram[q, both + k]
+                form[p, q] *= scale
+        else:
+            for k in range(LOOSE):
+                square -= taken[k] * moment[both + k]
+    return form, line, square * scale
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def shift_and_size(design, half, value, weight, coefficients):
     """Return the shift (z, y) and the relative size that bring a section with these coefficients to the readings."""
     kinds = design.shape[1] - LOOSE
-    normal, right, row = np.zeros((3, 3)), np.zeros(3), np.empty(3)
+    normal, right, row, low = np.zeros((3, 3)), np.zeros(3), np.empty(3), np.empty((3, 3))
     for i in range(value.size):
         if weight[i] > 0.0:
             model = 1.0
@@ -162,4 +178,6 @@ def shift_and_size(design, half, value, weight, coefficients):
                 right[p] += row[p] * (1.0 + value[i] - model)
                 for q in range(3):
                     normal[p, q] += row[p] * row[q]
-    return np.linalg.solve(normal, right)
+    factorise(normal, 3, low)
+    substitute(low, 3, right, row)
+    return row
