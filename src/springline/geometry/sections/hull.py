@@ -5,7 +5,6 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
-from scipy.spatial import ConvexHull
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -28,15 +27,16 @@ def perimeter(section: Section) -> Array:
     >>> round(float(perimeter(hinged(1, 0.8))), 10) == round(float(hinged(1, 0.8).perimeter), 10)
     True
     """
+    from . import kernels
+
     breaks = section.breaks
     span = np.diff(breaks, axis=-1, append=breaks[..., :1] + 2 * np.pi)
     steps = breaks[..., None] + span[..., None] * (np.arange(_STEPS) / _STEPS)
     theta = steps.reshape(*breaks.shape[:-1], -1)
-    z, y = section.contour(theta)
-    length = _lengths(section, theta)
-    points = np.stack([z, y], axis=-1).reshape(-1, *z.shape[-1:], 2)
-    found = [_one(p, s) for p, s in zip(points, length.reshape(-1, theta.shape[-1]), strict=True)]
-    return np.array(found).reshape(section.shape)
+    z, y, length = (x.reshape(-1, theta.shape[-1]) for x in (*section.contour(theta), _lengths(section, theta)))
+    out = np.empty(z.shape[0])
+    kernels.hull_length(z, y, length, out)
+    return out.reshape(section.shape)
 
 
 def _lengths(section: Section, theta: Array) -> Array:
@@ -45,15 +45,3 @@ def _lengths(section: Section, theta: Array) -> Array:
     inner = (theta[..., None] + span[..., None] * (0.5 + 0.5 * _NODES)).reshape(*theta.shape[:-1], -1)
     speed = np.hypot(section.polar_radius(inner), section.polar_slope(inner))
     return 0.5 * span * (speed.reshape(*theta.shape, -1) @ _WEIGHTS)
-
-
-def _one(points: Array, length: Array) -> float:
-    if not np.isfinite(points).all():
-        return float("nan")
-    apart = length > 1e-12 * np.max(length)  # breaks that coincide leave samples on top of one another
-    points, length = points[apart], length[apart]
-    on_hull = np.sort(ConvexHull(points).vertices)
-    following = np.roll(on_hull, -1)
-    neighbours = (following - on_hull) % len(points) == 1
-    bridges = np.hypot(*(points[following] - points[on_hull]).T)
-    return float(np.sum(np.where(neighbours, length[on_hull], bridges)))

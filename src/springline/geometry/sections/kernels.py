@@ -256,3 +256,43 @@ def radius_and_jacobian(bearing, parameters, exact, radius, jacobian):
                 jacobian[i, j, 3] = r * by_s0
             radius[i, j] = r * t
             jacobian[i, j, 0] = t
+
+
+@njit(cache=True, error_model="numpy")
+def hull_length(z, y, length, out):
+    """Fill the convex hull's perimeter of star-shaped curves given by samples, by Graham's scan from the farthest one.
+
+    Args:
+        z, y: (N, M): samples in order of bearing.
+        length: (N, M): the curve's length from each sample to the next.
+    """
+    sections, samples = z.shape
+    kept = np.empty(samples + 1, np.int64)
+    for i in range(sections):
+        first, farthest = 0, -1.0
+        for j in range(samples):
+            reach = z[i, j] ** 2 + y[i, j] ** 2
+            if reach > farthest:
+                first, farthest = j, reach
+        if not farthest > 0.0:
+            out[i] = np.nan
+            continue
+        top = 0
+        for step in range(samples + 1):
+            j = (first + step) % samples
+            while top > 1:
+                k, m = kept[top - 1], kept[top - 2]
+                turn = (z[i, k] - z[i, m]) * (y[i, j] - y[i, k]) - (y[i, k] - y[i, m]) * (z[i, j] - z[i, k])
+                if turn > 0.0:
+                    break
+                top -= 1
+            kept[top] = j
+            top += 1
+        total = 0.0
+        for n in range(top - 1):
+            j, k = kept[n], kept[n + 1]
+            if (k - j) % samples == 1:
+                total += length[i, j]
+            else:
+                total += math.hypot(z[i, k] - z[i, j], y[i, k] - y[i, j])
+        out[i] = total
