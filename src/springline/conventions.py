@@ -124,6 +124,7 @@ ROOT_ATTRIBUTES = {
     "equipment": "what recorded it",
     "provenance": "JSON: program version, resolved configuration, input files with their sha256",
     "chunks": "all: every chunk was written, so that a missing one is damage",
+    "rules": "JSON list of verdicts: rule, edition, verdict, where",
     "warnings": "JSON list of what the user must know",
     "assumptions": "JSON list of what was assumed while reading: units, bearing zero and sense, up direction",
 }
@@ -332,11 +333,16 @@ GROUPS = {
                 _v("noise", "station", "m", "robust one-sigma of one reading about the section"),
                 _v("coverage", "station", "1", "used over possible bearings"),
                 _v("status", "station", "1", "flag of conventions.FIT_STATUS", "uint8", True),
-                _v("mode", "station", "", "chosen section mode, or undecided", "str"),
-                _v("s1", "station", "1", "severity of the bottom half"),
-                _v("s2", "station", "1", "severity of the top half"),
-                _v("s01", "station", "1", "frozen severity of the bottom quarter arcs"),
-                _v("s02", "station", "1", "frozen severity of the top quarter arcs"),
+                _v("mode", "station", "", "circle, 1 to 5, or undecided; empty without a section", "str"),
+                _v("mode_probability", "station", "1", "posterior of the likeliest mode"),
+                *_with_sigma(
+                    (
+                        _v("s1", "station", "1", "severity of the bottom half"),
+                        _v("s2", "station", "1", "severity of the top half"),
+                        _v("s01", "station", "1", "frozen severity of the bottom quarter arcs"),
+                        _v("s02", "station", "1", "frozen severity of the top quarter arcs"),
+                    )
+                ),
                 _v("flags", "station", "", "space-separated remarks", "str"),
             ),
             (

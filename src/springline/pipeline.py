@@ -13,7 +13,7 @@ from .stages.rings import rings
 from .survey import add_run, validate
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Iterable
 
     from .survey import Survey
 
@@ -22,13 +22,18 @@ STAGES = (rings, clean, estimate, metrics)
 
 
 def inspect(
-    survey: Survey, config: Config | None = None, *, progress: Callable[[str, float], None] | None = None
+    survey: Survey,
+    config: Config | None = None,
+    *,
+    checks: Iterable[str] = (),
+    progress: Callable[[str, float], None] | None = None,
 ) -> Survey:
     """Run the whole chain on a survey.
 
     Args:
         survey: As `springline.read` returns it; results of an earlier run are left aside and made anew.
         config: Settings; the defaults when not given.
+        checks: Names of acceptance rules to judge; their verdicts stand in the attribute `rules`.
         progress: Called with a stage's name and the share of the chain done, from 0 to 1.
 
     Returns:

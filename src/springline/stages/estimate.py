@@ -12,6 +12,7 @@ from ..conventions import FIT_STATUS, POSE_TERMS, SECTION_PARAMETERS
 from ..errors import InputError
 from ..geometry.deviation import radial_deviation, smoothed_extremes
 from ..geometry.fitting import fit_ellipses_to_ranges
+from ..geometry.fitting.modes import CLASSES, select_modes
 from ..survey import add_assumption, add_warning
 
 if TYPE_CHECKING:
@@ -21,15 +22,17 @@ if TYPE_CHECKING:
 _BLOCK = 4096
 _TOO_FEW = 1
 _PER_STATION = ("residual_rms", "noise", "centre_y", "centre_z")
+_SEVERITIES = ("s1", "s2", "s02", "s01")
 _DEVIATIONS = ("deviation_in", "deviation_in_bearing", "deviation_out", "deviation_out_bearing")
 
 
 def estimate(survey: Survey, config: Config) -> Survey:
-    """Return the survey with `/pose` and `/section`: one robust geometric ellipse per ring.
+    """Return the survey with `/pose` and `/section`: one robust geometric ellipse per ring, and its mode.
 
     The section's centre gives the sensor's offset; its shape is taken as perpendicular to the pipe, so that the
     sensor's own tilt stays in it (an assumption that is stated). Stations without enough coverage, or whose readings
-    do not determine an ellipse, have no section and say why in `status`.
+    do not determine an ellipse, have no section and say why in `status`. The mode of deformation is named only where
+    its posterior is clear, `undecided` otherwise.
 
     Args:
         survey: With `/rings` and `/mask`.
@@ -63,6 +66,11 @@ def _fit(rings: xr.Dataset, mask: xr.Dataset, minimum_coverage: float) -> dict[s
     found["parameters"] = np.full((count, 5), np.nan)
     found["covariance"] = np.full((count, 5, 5), np.nan)
     found["status"] = np.empty(count, np.uint8)
+    found["severities"] = np.full((count, 4), np.nan)
+    found["severities_sigma"] = np.full((count, 4), np.nan)
+    found["mode"] = np.full(count, -1, np.int8)
+    found["mode_probability"] = np.full(count, np.nan)
+    found["inverted"] = np.zeros(count, bool)
     coverage = mask["coverage"].values
     for start in range(0, count, _BLOCK):
         rows = slice(start, start + _BLOCK)
@@ -79,6 +87,13 @@ def _fit(rings: xr.Dataset, mask: xr.Dataset, minimum_coverage: float) -> dict[s
         deviation = radial_deviation(ranges, bearings, fits.parameters)
         for name, values in zip(_DEVIATIONS, smoothed_extremes(deviation, bearings), strict=True):
             found[name][rows] = values
+        modes = select_modes(ranges, bearings, ellipses=fits)
+        named = modes.mode > 0
+        found["mode"][rows] = modes.mode
+        found["mode_probability"][rows] = modes.probability.max(axis=1)
+        found["inverted"][rows] = modes.inverted & named
+        found["severities"][rows] = np.where(named[:, None], modes.severities, np.nan)
+        found["severities_sigma"][rows] = np.where(named[:, None], modes.sigma, np.nan)
     return found
 
 
@@ -90,8 +105,13 @@ def _section(rings: xr.Dataset, mask: xr.Dataset, found: dict[str, np.ndarray]) 
         "distance": distance if odometer else np.full(len(distance), np.nan),
         "coverage": mask["coverage"].values,
         "status": found["status"],
-        **{name: found[name] for name in (*_PER_STATION, *_DEVIATIONS)},
+        **{name: found[name] for name in (*_PER_STATION, *_DEVIATIONS, "mode_probability")},
+        "mode": np.where(found["status"] == 0, np.array([*CLASSES, "undecided"])[found["mode"]], ""),
+        "flags": np.where(found["inverted"], "inverted", ""),
     }
+    for column, name in enumerate(_SEVERITIES):
+        columns[name] = found["severities"][:, column]
+        columns[f"{name}_sigma"] = found["severities_sigma"][:, column]
     return xr.Dataset(
         {
             **{name: ("station", values) for name, values in columns.items()},

@@ -15,6 +15,7 @@ from springline.geometry.fitting.modes.evidence import CLASS_COUNT, likely_secti
 from springline.geometry.fitting.modes.statistics import (
     LOOSE,
     fill_design,
+    neighbour_noise,
     quadratic_form,
     reject_outliers,
     shift_and_size,
@@ -23,6 +24,8 @@ from springline.geometry.fitting.modes.table import half_table
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
+
+    from springline.geometry.fitting.results import EllipseFits
 
 CLASSES = ("circle", "1", "2", "3", "4", "5")
 """Names of the classes, in the order of `ModeSelection.probability`."""
@@ -64,8 +67,9 @@ class ModeSelection:
         radius: (ring,) radius of the undeformed pipe [m].
         centre: (ring, 2) O of the section, z and y [m], in the readings' frame.
         noise: (ring,) one-sigma of a reading [m].
-        misfit: (ring,) chi-square per spare degree of freedom by which the likeliest section fits worse than a free
-            shape; about 1 when a mode describes the ring.
+        misfit: (ring,) about 1 when a mode describes the ring. The larger of two: chi-square per spare degree of
+            freedom by which the likeliest section fits worse than a free symmetric shape, and the variance about that
+            shape over the variance between neighbouring readings.
         reason: why a ring is undecided; empty otherwise.
     """
 
@@ -90,6 +94,7 @@ def select_modes(
     ranges: ArrayLike,
     bearings: ArrayLike,
     *,
+    ellipses: EllipseFits | None = None,
     prior: ModePrior | None = None,
     least_probability: float = 0.9,
     most_misfit: float = 6.0,
@@ -100,6 +105,7 @@ def select_modes(
     Args:
         ranges: (ring, bearing) ranges [m]; NaN = no return. Outliers are rejected.
         bearings: (bearing,) [rad], from +z counter-clockwise; the crown must be up to within `prior.turn_sigma`.
+        ellipses: Ellipses of the same rings, to start from; fitted here unless given.
         prior: What is believed before; `ModePrior()` unless given.
         least_probability: A class is named only when its posterior is at least this.
         most_misfit: A ring that no mode describes better than this is undecided, whatever its posterior.
@@ -125,14 +131,14 @@ def select_modes(
     if not 0.5 <= least_probability < 1.0:
         raise ParameterError(f"least_probability is {least_probability}", expected="a value in [0.5, 1)")
     prior = prior or ModePrior()
-    fits = fit_ellipses_to_ranges(ranges, bearings)
+    ellipses = ellipses or fit_ellipses_to_ranges(ranges, bearings)
     results = _Results.empty(len(ranges))
     chunks = [slice(i, i + _CHUNK) for i in range(0, len(ranges), _CHUNK)]
 
     def run(rows: slice) -> None:
         some = np.ascontiguousarray(ranges[rows], np.float64)
         _select_rings(
-            some * np.cos(bearings), some * np.sin(bearings), fits.parameters[rows], prior, results.rows(rows)
+            some * np.cos(bearings), some * np.sin(bearings), ellipses.parameters[rows], prior, results.rows(rows)
         )
 
     with ThreadPoolExecutor(workers) as pool:
@@ -209,7 +215,10 @@ def _rings_kernel(
             weights[ring], moments[ring],
         )  # fmt: skip
         place[ring, 0], place[ring, 1], place[ring, 2], place[ring, 3] = centre_z, centre_y, radius, noise * radius
-        place[ring, 4] = (best + constant - free / (believed * believed)) / (2 * kinds - 4)
+        beyond_free = max(noise, least_noise) / max(neighbour_noise(value[:count]), least_noise)
+        place[ring, 4] = max(
+            (best + constant - free / (believed * believed)) / (2 * kinds - 4), beyond_free * beyond_free
+        )
 
 
 def _decide(results: _Results, prior: ModePrior, least_probability: float, most_misfit: float) -> ModeSelection:

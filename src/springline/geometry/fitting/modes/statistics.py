@@ -123,6 +123,15 @@ def reject_outliers(design, half, value, weight):
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
+def neighbour_noise(value):
+    """Return the one-sigma of a reading from second differences of neighbours, whatever smooth shape they lie on."""
+    if value.size < 8:
+        return np.nan
+    bend = np.abs(value[:-2] - 2.0 * value[1:-1] + value[2:])
+    return np.median(bend) / (0.6744897501960817 * math.sqrt(6.0))
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
 def quadratic_form(design, half, value, weight, noise, turn_sigma):
     """Return form, line and constant of the misfit c.form.c - 2 line.c + constant, nuisances taken out.
 

@@ -1,0 +1,163 @@
+"""`springline inspect`: the main job."""
+
+from __future__ import annotations
+
+import json
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from ..errors import InputError
+from . import reading
+from .options import Force, Json
+from .run import as_json as print_json
+from .run import finish, inspect_into, tell
+
+if TYPE_CHECKING:
+    from ..config import Config
+    from ..io import ReadOptions
+    from ..survey import Survey
+
+app = typer.Typer(add_completion=False)
+
+
+@app.command(
+    epilog="Examples:  springline inspect scan.laz --nominal 400mm -o report  |  "
+    "springline inspect depth.png --intrinsics 421.1,421.1,426.2,237.0 --nominal 200mm -o report  |  "
+    "springline inspect rings.csv --unit mm --bearing-zero crown --bearing-sense cw -o report --check deflection-5  |  "
+    "springline inspect FOLDER -o reports --keep-going"
+)
+def inspect(
+    inputs: Annotated[
+        list[Path],
+        typer.Argument(metavar="INPUT...", help="A scan, parts of one scan, or a folder of scans."),
+    ],
+    output: Annotated[Path, typer.Option("-o", "--output", metavar="DIR", help="Folder to write.")],
+    nominal: reading.Nominal = None,
+    base: Annotated[
+        str | None, typer.Option("--base", metavar="LENGTH", help="Base (inside) diameter that deflection refers to.")
+    ] = None,
+    config: Annotated[Path | None, typer.Option("--config", metavar="FILE", help="Settings in TOML.")] = None,
+    check: Annotated[
+        list[str] | None, typer.Option("--check", metavar="RULE", help="Acceptance rule to judge; may be repeated.")
+    ] = None,
+    spacing: Annotated[
+        str | None, typer.Option("--spacing", metavar="LENGTH", help="Distance between the stations of a cloud.")
+    ] = None,
+    input_format: reading.InputFormat = None,
+    unit: reading.Unit = None,
+    bearing_zero: reading.BearingZero = None,
+    bearing_sense: reading.BearingSense = None,
+    intrinsics: reading.Intrinsics = None,
+    depth_unit: reading.DepthUnit = None,
+    axes: reading.Axes = None,
+    sensor: reading.Sensor = None,
+    name: reading.Name = None,
+    keep_going: reading.KeepGoing = False,
+    force: Force = False,
+    as_json: Json = False,
+) -> None:
+    """Read a scan, find the section at every station, and write numbers and a report into DIR.
+
+    A folder of scans gives one result each, in a folder of its own below DIR.
+    """
+    options = reading.read_options(
+        nominal=nominal,
+        format=input_format,
+        unit=unit,
+        bearing_zero=bearing_zero,
+        bearing_sense=bearing_sense,
+        intrinsics=intrinsics,
+        depth_unit=depth_unit,
+        axes=axes,
+        sensor=sensor,
+        name=name,
+    )
+    settings = _settings(config, spacing)
+    _refuse_existing(output, force)
+    base_diameter = _length(base, "--base")
+    surveys = {
+        key: survey.with_attrs(base_diameter=base_diameter) if base_diameter else survey
+        for key, survey in _read(inputs, options, keep_going=keep_going).items()
+    }
+    checks = tuple(check or ())
+    if len(surveys) == 1:
+        found: Any = inspect_into(next(iter(surveys.values())), output, settings, checks=checks, force=force)
+        results = [found]
+    else:
+        found = _inspect_each(surveys, output, settings, checks, force=force, keep_going=keep_going)
+        results = found["scans"]
+    if as_json:
+        print_json(found)
+    else:
+        for one in results:
+            tell(one, output / one["folder"] if "folder" in one else output)
+    finish(results)
+
+
+def _read(inputs: list[Path], options: ReadOptions, *, keep_going: bool) -> dict[str, Survey]:
+    from ..io.reading import combine, expand, read_many, read_one
+
+    if len(inputs) > 1 and not any(path.is_dir() and expand([path]) != [path] for path in inputs):
+        parts = [read_one(path, options, strict=False) for path in inputs]
+        return {"all": combine(parts, inputs, options)}
+    surveys, unreadable = read_many(inputs, options, keep_going=keep_going)
+    for one in unreadable:
+        sys.stderr.write(f"left out: {one.reason}\n")
+    return surveys
+
+
+def _inspect_each(
+    surveys: dict[str, Survey],
+    output: Path,
+    settings: Config,
+    checks: tuple[str, ...],
+    *,
+    force: bool,
+    keep_going: bool,
+) -> dict[str, Any]:
+    """Inspect several scans into a folder each, the whole appearing at once."""
+    from ..survey.files import replacing
+
+    scans, failed = [], []
+    with replacing(output, force=force) as temporary:
+        temporary.mkdir()
+        for key, survey in surveys.items():
+            try:
+                found = inspect_into(survey, temporary / key, settings, checks=checks)
+            except InputError as error:
+                if not keep_going:
+                    raise
+                failed.append({"folder": key, "reason": str(error)})
+                sys.stderr.write(f"left out: {error}\n")
+                continue
+            scans.append({"folder": key, **found})
+        if not scans:
+            raise InputError("none of the scans could be inspected", where=output)
+        index = {"scans": scans, "left_out": failed}
+        (temporary / "summary.json").write_text(json.dumps(index, indent=2, ensure_ascii=False) + "\n", "utf-8")
+    return index
+
+
+def _settings(path: Path | None, spacing: str | None) -> Config:
+    from ..config import Config, load_config
+
+    settings = load_config(path) if path else Config()
+    if spacing is None:
+        return settings
+    rings = settings.rings.model_copy(update={"spacing": _length(spacing, "--spacing")})
+    return settings.model_copy(update={"rings": rings})
+
+
+def _length(text: str | None, where: str) -> float | None:
+    from ..io.units import length
+
+    return None if text is None else length(text, where=where)
+
+
+def _refuse_existing(output: Path, force: bool) -> None:
+    """Refuse before the work rather than after it."""
+    if output.exists() and not force:
+        raise InputError("it exists already", where=output, mend="choose another folder or pass --force")
