@@ -1,1 +1,35 @@
-"""Simulated surveys with known truth; its own ray-casting geometry, so that no formula is tested with itself."""
+"""Simulated surveys with known truth; its own ray-casting geometry, so that no formula is tested with itself.
+
+A scenario (one TOML file, see `scenario`) names a pipe, a robot and its sensors. `simulate` builds the pipe's true wall
+as a surface in space, lays out the robot's motion, casts every ray on the wall and spoils the readings as the sensors
+spoil them. What was true goes into `/truth`, which no stage reads.
+"""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from .reading import load, parse, scenarios
+    from .scenario import Scenario
+    from .simulation import simulate, simulate_to
+
+_HOMES = {
+    "simulate": "simulation",
+    "simulate_to": "simulation",
+    "scenarios": "reading",
+    "load": "reading",
+    "parse": "reading",
+    "Scenario": "scenario",
+}
+
+__all__ = ["Scenario", "load", "parse", "scenarios", "simulate", "simulate_to"]
+
+
+def __getattr__(name: str) -> Any:
+    if name in _HOMES:
+        value = getattr(import_module(f".{_HOMES[name]}", __name__), name)
+        globals()[name] = value
+        return value
+    raise AttributeError(f"module '{__name__}' has no attribute '{name}'")

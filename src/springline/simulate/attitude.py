@@ -17,7 +17,7 @@ def in_pipe(pitch: np.ndarray, yaw: np.ndarray, roll: np.ndarray) -> np.ndarray:
 
     >>> a = np.radians(10.0)
     >>> in_pipe(a, a, 0.0)[0].round(5).tolist()
-    [0.97028, 0.17109, 0.17109]
+    [0.97029, 0.17109, 0.17109]
     """
     pitch, yaw, roll = np.broadcast_arrays(*(np.asarray(v, float) for v in (pitch, yaw, roll)))
     forward = np.stack([np.ones_like(pitch), np.tan(pitch), np.tan(yaw)], axis=-1)

@@ -7,161 +7,20 @@ next cell outside that cell's bore it has met the face of a joint.
 
 from __future__ import annotations
 
-from math import atan2, cos, floor, pi, sin, sqrt
+from math import atan2, sqrt
 
 import numpy as np
 from numba import njit, prange
 
-from .wall import (
-    BED,
-    BUMP,
-    DENT,
-    FLOOR,
-    JOINT,
-    LATERAL,
-    NOTHING,
-    WALL,
-    WATER,
-    Wall,
-)
-
-__all__ = ["BED", "DENT", "WATER", "cast_rays", "radius_of_wall"]
+from .surface import wall_at
+from .wall import JOINT, LATERAL, NOTHING, Wall
 
 _STEPS = 2000
 _CLOSE = 0.003
 _TINY = 1e-13
 
 
-@njit(cache=True, inline="always")
-def _section(pieces, theta, c, s):
-    """Return the radius of one section at bearing theta in [0, 2 pi), whose cosine and sine are c and s."""
-    k = 0
-    while k + 1 < pieces.shape[0] and pieces[k + 1, 0] <= theta:
-        k += 1
-    p = pieces[k, 1] * c * c + pieces[k, 2] * c * s + pieces[k, 3] * s * s
-    q = pieces[k, 4] * c + pieces[k, 5] * s
-    root = sqrt(max(q * q - 4.0 * p * pieces[k, 6], 0.0))
-    if q > 0.0:
-        return -2.0 * pieces[k, 6] / (q + root)
-    return (root - q) / (2.0 * p)
-
-
 @njit(cache=True)
-def _lattice(i, j, seed):
-    """Return a number of unit variance, always the same at one lattice point: splitmix64 of its indices."""
-    h = np.uint64(i) * np.uint64(0x9E3779B97F4A7C15) ^ np.uint64(j) * np.uint64(0xC2B2AE3D27D4EB4F) ^ seed
-    h = (h ^ (h >> np.uint64(30))) * np.uint64(0xBF58476D1CE4E5B9)
-    h = (h ^ (h >> np.uint64(27))) * np.uint64(0x94D049BB133111EB)
-    h = h ^ (h >> np.uint64(31))
-    return (float(h >> np.uint64(11)) / 9007199254740992.0 - 0.5) * sqrt(12.0)
-
-
-@njit(cache=True)
-def _relief(x, theta, roughness, seed):
-    """Return the wall's roughness [m]: a cubic B-spline over random lattice values, periodic in bearing."""
-    around = int(roughness[2])
-    u, v = x / roughness[1], theta * around / (2.0 * pi)
-    i, j = floor(u), floor(v)
-    fu, fv = u - i, v - j
-    wu = np.empty(4)
-    wv = np.empty(4)
-    for w, f in ((wu, fu), (wv, fv)):
-        w[0] = (1.0 - f) ** 3 / 6.0
-        w[1] = (3.0 * f**3 - 6.0 * f**2 + 4.0) / 6.0
-        w[2] = (-3.0 * f**3 + 3.0 * f**2 + 3.0 * f + 1.0) / 6.0
-        w[3] = f**3 / 6.0
-    total = 0.0
-    for a in range(4):
-        for b in range(4):
-            total += wu[a] * wv[b] * _lattice(i + a - 1, (j + b - 1) % around, seed)
-    # 151/315 is the mean of the squared weights along one direction: it restores the stated rms.
-    return roughness[0] * total / (151.0 / 315.0)
-
-
-@njit(cache=True, inline="always")
-def _window(u):
-    """Return 1 at u = 0 falling to 0, with its slope, at |u| = 1."""
-    return cos(0.5 * pi * u) ** 2 if abs(u) < 1.0 else 0.0
-
-
-@njit(cache=True, inline="always")
-def _ramp(x, start, end, ramp):
-    """Return 1 between start and end, smoothly down to 0 over `ramp` inside both ends."""
-    if x <= start or x >= end:
-        return 0.0
-    d = min(x - start, end - x)
-    if d >= ramp:
-        return 1.0
-    u = d / ramp
-    return u * u * (3.0 - 2.0 * u)
-
-
-@njit(cache=True)
-def _bare(wall, cell, x, theta, c, s):
-    """Return the radius of the section alone, blended between its knots, with its harmonics."""
-    first, count = wall.knots[cell, 0], wall.knots[cell, 1]
-    k, w = 0, 0.0
-    if count > 1:
-        u = (x - wall.cells[cell, 12]) / wall.cells[cell, 18]
-        k = min(max(floor(u), 0), count - 2)
-        w = min(max(u - k, 0.0), 1.0)
-    rho = _section(wall.pieces[first + k], theta, c, s)
-    if w > 0.0:
-        rho += w * (_section(wall.pieces[first + k + 1], theta, c, s) - rho)
-    for n in range(wall.orders.shape[0]):
-        a, b = wall.harmonics[first + k, n, 0], wall.harmonics[first + k, n, 1]
-        if w > 0.0:
-            a += w * (wall.harmonics[first + k + 1, n, 0] - a)
-            b += w * (wall.harmonics[first + k + 1, n, 1] - b)
-        rho += a * cos(wall.orders[n] * theta) + b * sin(wall.orders[n] * theta)
-    return rho
-
-
-@njit(cache=True)
-def _radius(wall, cell, x, y, z, h):
-    """Return the wall's radius and kind at chainage x in the direction of (z, y), whose length is h."""
-    if h == 0.0:
-        c, s, theta = 1.0, 0.0, 0.0
-    else:
-        c, s = z / h, y / h
-        theta = atan2(y, z)
-        if theta < 0.0:
-            theta += 2.0 * pi
-            if theta >= 2.0 * pi:
-                theta = 0.0
-    rho = _bare(wall, cell, x, theta, c, s)
-    kind = WALL
-    if wall.cells[cell, 24] != 0.0:
-        kind = JOINT
-        rho += wall.cells[cell, 17]
-    if wall.roughness[0] > 0.0:
-        rho += _relief(x, theta, wall.roughness, wall.seed)
-    for n in range(wall.feature_from[cell], wall.feature_from[cell + 1]):
-        row = wall.features[wall.feature_of[n]]
-        if x <= row[1] or x >= row[2]:
-            continue
-        if row[0] == FLOOR:
-            if s < 0.0:
-                level = _ramp(x, row[1], row[2], row[7]) * row[6] - _bare(wall, cell, x, 1.5 * pi, 0.0, -1.0)
-                if rho * s < level:
-                    rho = level / s
-                    kind = int(row[3])
-            continue
-        turn = theta - row[4]
-        turn -= 2.0 * pi * floor(turn / (2.0 * pi) + 0.5)
-        if abs(turn) >= row[5]:
-            continue
-        if row[0] == BUMP:
-            drop = row[6] * _window(turn / row[5]) * _window((x - 0.5 * (row[1] + row[2])) / (0.5 * (row[2] - row[1])))
-            if drop > 0.0:
-                kind = int(row[3])
-        else:
-            drop = row[6] * cos(0.5 * pi * turn / row[5]) ** row[8] * _ramp(x, row[1], row[2], row[7])
-        rho -= drop
-    return rho, kind
-
-
-@njit(cache=True, inline="always")
 def _locate(cells, cell, px, py, pz):
     """Return chainage and the levelled section coordinates y, z of an Earth point, in one cell."""
     row = cells[cell]
@@ -194,7 +53,7 @@ def _gap(wall, cell, ox, oy, oz, dx, dy, dz, t):
     """Return how far outside (+) or inside (-) the wall the ray's point at t lies, what is there, and its chainage."""
     x, y, z = _locate(wall.cells, cell, ox + t * dx, oy + t * dy, oz + t * dz)
     h = sqrt(y * y + z * z)
-    rho, kind = _radius(wall, cell, x, y, z, h)
+    rho, kind = wall_at(wall, cell, x, y, z, h)
     return h - rho, kind, x
 
 
@@ -373,20 +232,3 @@ def cast_rays(wall: Wall, origin, cell, direction, limit):
             )  # fmt: skip
             reach[i, j], kind[i, j], chainage[i, j] = _cast_one(wall, cell[i], ray, limit)
     return reach, kind, chainage
-
-
-@njit(cache=True)
-def radius_of_wall(wall: Wall, cell, chainage, theta):
-    """Return the wall's true polar radius [m] (stations, bearings) about the axis, everything on it included.
-
-    Args:
-        wall: Arrays of `wall.build`.
-        cell: Cell of each station (stations,).
-        chainage: Chainage [m] of each station (stations,).
-        theta: Bearings [rad] (bearings,).
-    """
-    out = np.empty((chainage.size, theta.size))
-    for i in range(chainage.size):
-        for j in range(theta.size):
-            out[i, j] = _radius(wall, cell[i], chainage[i], sin(theta[j]), cos(theta[j]), 1.0)[0]
-    return out

@@ -19,7 +19,7 @@ WALL, WATER, BED, DEPOSIT, DENT, JOINT, LATERAL, NOTHING = range(8)
 HIT_KINDS = ("wall", "water", "bed", "deposit", "dent", "joint", "lateral", "nothing")
 """What a ray met, by its code."""
 
-BUMP, FLOOR, LOBE = range(3)
+BUMP, FLOOR, LOBE, VARYING_LOBE = range(4)
 
 
 class Wall(NamedTuple):
@@ -40,9 +40,9 @@ class Wall(NamedTuple):
 
 @dataclass(frozen=True)
 class Knots:
-    """Sections of one cell at equal steps of chainage: one section = constant along the cell."""
+    """Sections of one cell at equal steps of chainage, (knots, n, 7): one knot = constant along the cell."""
 
-    sections: list[Section]
+    sections: Section
     harmonics: np.ndarray | None = None
     """Cosine and sine amplitudes [m], (knots, orders, 2)."""
 
@@ -84,6 +84,8 @@ class Lobe:
     width: float
     power: float
     ramp: float
+    varying: bool = False
+    """Whether it is the varying-amplitude lobe, `depth` then being the host's radius less that at its middle."""
 
 
 @dataclass(frozen=True)
@@ -136,16 +138,14 @@ def build(pipe: Pipe) -> Wall:
     `pieces` (knot, piece, 7) the sections, padded with pieces that start at infinity.
     """
     cells = pipe.centreline.cells
-    firsts, pieces, harmonics = [], [], []
-    widest = max(len(s.pieces) for k in pipe.knots for s in k.sections)
-    for knots in pipe.knots:
-        firsts.append((len(pieces), len(knots.sections)))
-        for section in knots.sections:
-            padded = np.full((widest, PIECE), np.inf)
-            padded[: len(section.pieces)] = section.pieces
-            pieces.append(padded)
-        none = np.zeros((len(knots.sections), len(pipe.orders), 2))
-        harmonics.append(none if knots.harmonics is None else knots.harmonics)
+    counts = [len(k.sections.pieces) for k in pipe.knots]
+    firsts = np.cumsum([0, *counts[:-1]])
+    pieces = np.full((sum(counts), max(k.sections.pieces.shape[1] for k in pipe.knots), PIECE), np.inf)
+    for first, knots in zip(firsts, pipe.knots, strict=True):
+        count, width = knots.sections.pieces.shape[:2]
+        pieces[first : first + count, :width] = knots.sections.pieces
+    none = (np.zeros((count, len(pipe.orders), 2)) for count in counts)
+    harmonics = [n if k.harmonics is None else k.harmonics for k, n in zip(pipe.knots, none, strict=True)]
     features = _features(pipe)
     starts, members = [0], []
     for cell in cells:
@@ -156,9 +156,8 @@ def build(pipe: Pipe) -> Wall:
         ]
         members.extend(near)
         starts.append(len(members))
-    stacked = np.array(pieces)
     table = np.zeros((len(cells), 25))
-    for k, (cell, (_, count)) in enumerate(zip(cells, firsts, strict=True)):
+    for k, (cell, count) in enumerate(zip(cells, counts, strict=True)):
         table[k, :12] = [*cell.origin, *cell.frame.ravel()]
         table[k, 12:17] = [
             cell.chainage, cell.length, cell.curvature, np.sin(cell.towards), np.cos(cell.towards),
@@ -169,8 +168,8 @@ def build(pipe: Pipe) -> Wall:
     table[:, 19] = _march_divisors(pipe, features, starts, members)
     return Wall(
         table,
-        np.array(firsts, np.int64),
-        stacked,
+        np.column_stack([firsts, counts]).astype(np.int64),
+        pieces,
         np.array(pipe.orders, np.float64),
         np.concatenate(harmonics),
         features,
@@ -205,7 +204,17 @@ def _features(pipe: Pipe) -> np.ndarray:
         for b in pipe.bumps
     ]
     rows += [
-        (LOBE, one.start, one.end, WALL, one.bearing, 0.5 * one.width, one.depth, one.ramp, one.power)
+        (
+            VARYING_LOBE if one.varying else LOBE,
+            one.start,
+            one.end,
+            WALL,
+            one.bearing,
+            0.5 * one.width,
+            one.depth,
+            one.ramp,
+            one.power,
+        )
         for one in pipe.lobes
     ]
     rows += [(FLOOR, f.start, f.end, f.kind, 0, 0, f.depth, f.ramp, 0) for f in pipe.floors]
@@ -218,17 +227,17 @@ def _march_divisors(pipe: Pipe, features: np.ndarray, starts: list[int], members
     The distance to a surface r = rho(s, theta) is at least |r - rho| / sqrt(1 + slope2), slope being its steepest.
     """
     theta = np.linspace(0.0, 2.0 * np.pi, 721)
+    cells = pipe.centreline.cells
     rough = pipe.roughness
     rough_slope = 4.0 * rough.rms / min(rough.along, rough.around)
     out = []
     for k, knots in enumerate(pipe.knots):
-        chosen = knots.sections[:: max(1, len(knots.sections) // 8)]
-        radii = [s.radius(theta) for s in chosen]
-        slope = max(float(np.max(np.abs(np.gradient(r, theta)) / r)) for r in radii) + rough_slope
-        if len(knots.sections) > 1:
-            step = pipe.centreline.cells[k].length / (len(knots.sections) - 1)
-            first = [s.radius(theta) for s in knots.sections[:2]]
-            slope += 2.0 * float(np.max(np.abs(first[1] - first[0]))) / step
+        stack = knots.sections.pieces
+        radii = np.array([Section(one).radius(theta) for one in stack[:: max(1, len(stack) // 8)]])
+        slope = float(np.max(np.abs(np.gradient(radii, theta, axis=1)) / radii)) + rough_slope
+        if len(stack) > 1:
+            # The section may change fastest between the samples: twice what the coarse ones show, and more for none.
+            slope += 2.0 * float(np.max(np.abs(np.diff(radii, axis=0)), initial=0.0)) / cells[k].length + 0.05
         if knots.harmonics is not None and knots.harmonics.size:
             size = np.abs(knots.harmonics).sum(axis=2).max(axis=0)
             slope += float(np.sum(size * np.array(pipe.orders)) / pipe.radius)
@@ -255,9 +264,9 @@ def _laterals(pipe: Pipe) -> np.ndarray:
         radial = np.cos(one.bearing) * frame[2] + np.sin(one.bearing) * frame[1]
         axis = np.cos(one.lean) * radial + np.sin(one.lean) * frame[0]
         k = int(pipe.centreline.index(one.chainage))
-        knots = pipe.knots[k]
-        share = (one.chainage - pipe.centreline.cells[k].chainage) / max(pipe.centreline.cells[k].length, 1e-12)
-        section = knots.sections[round(share * (len(knots.sections) - 1))]
+        stack, cell = pipe.knots[k].sections.pieces, pipe.centreline.cells[k]
+        share = (one.chainage - cell.chainage) / cell.length
+        section = Section(stack[round(share * (len(stack) - 1))])
         mouth = point + float(section.radius(one.bearing)) * radial
         rows.append([*mouth, *axis, one.radius, one.radius + one.wall, -one.protrusion, one.length, one.chainage])
     return np.array(rows, float).reshape(-1, 11)

@@ -146,7 +146,7 @@ def _encoding(data: xr.Dataset) -> dict[str, dict[str, Any]]:
                     *(n or 1 for n in array.shape[1:]),
                 )
         if name == "range":
-            one |= _ticks(array, float(data.attrs.get("range_noise", np.nan)))
+            one |= _ticks(array, float(data.attrs.get("range_noise", np.nan)), float(data.attrs.get("range_max", 0.0)))
         encoding[str(name)] = one
     return encoding
 
@@ -155,13 +155,14 @@ def _rows_per_chunk(array: xr.Variable) -> int:
     return _RING_CHUNK if array.ndim > 1 else 65536
 
 
-def _ticks(array: xr.Variable, noise: float) -> dict[str, Any]:
+def _ticks(array: xr.Variable, noise: float, reach: float) -> dict[str, Any]:
     """Return the scaled-integer encoding: int16 where the longest range fits, int32 otherwise."""
     tick = min(_DEFAULT_TICK, noise / 10) if noise > 0 else _DEFAULT_TICK
     longest = max(
         (float(np.nanmax(np.abs(block), initial=0.0)) for block in _blocks(array)),
         default=0.0,
     )
+    longest = max(longest, reach)
     if longest / tick < -_FILL - 1:
         return {"dtype": "int16", "scale_factor": np.float32(tick), "_FillValue": _FILL}
     if noise > 0 and longest / (noise / 10) < 2**15 - 2:

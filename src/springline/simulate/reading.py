@@ -1,0 +1,187 @@
+"""From a scenario file to a `Scenario`, with complaints that name key, line, value and valid range."""
+
+from __future__ import annotations
+
+import re
+import tomllib
+from pathlib import Path
+from typing import Any
+
+from pydantic import BaseModel, ValidationError
+from pydantic_core import ErrorDetails
+
+from ..errors import FormatError, InputError, ParameterError, nearest
+from .checks import Problem, check
+from .scenario import Scenario
+
+FOLDER = Path(__file__).with_name("scenarios")
+
+_HEADER = re.compile(r"\s*(\[\[?)\s*([A-Za-z0-9_.\-]+)\s*\]\]?")
+_KEY = re.compile(r"\s*([A-Za-z0-9_\-]+)\s*=")
+_RANGES = {"gt": "above {}", "ge": "at least {}", "lt": "below {}", "le": "at most {}"}
+
+
+def scenarios() -> dict[str, str]:
+    """Return the ready scenarios: name and description of each.
+
+    >>> "builtin" in scenarios()
+    True
+    """
+    found = {}
+    for file in sorted(FOLDER.glob("*.toml")):
+        found[file.stem] = tomllib.loads(file.read_text(encoding="utf-8"))["description"]
+    return found
+
+
+def load(scenario: str | Path | Scenario) -> Scenario:
+    """Return a checked scenario.
+
+    Args:
+        scenario: A TOML file, the name of a ready scenario, or a `Scenario`.
+
+    Raises:
+        InputError: There is no such file or ready scenario.
+        FormatError: The file is not TOML.
+        ParameterError: A key is unknown or a value out of range; the message names key, line, value and valid range.
+    """
+    if isinstance(scenario, Scenario):
+        return _checked(scenario, "scenario", "")
+    path = Path(scenario)
+    ready = FOLDER / f"{scenario}.toml"
+    if not path.suffix and ready.is_file():
+        path = ready
+    if not path.is_file():
+        raise InputError(
+            f"no scenario file '{scenario}' and no ready scenario of that name{nearest(str(scenario), scenarios())}",
+            expected="a TOML file or one of " + ", ".join(scenarios()),
+        )
+    text = path.read_text(encoding="utf-8")
+    return parse(text, where=str(path))
+
+
+def parse(text: str, *, where: str = "scenario") -> Scenario:
+    """Return the scenario that a TOML text describes; see `load` for what it raises.
+
+    >>> parse('name = "x"\\n[pipe]\\ndiameter = -0.3\\nrun = [{kind = "straight", length = 5}]')
+    Traceback (most recent call last):
+    ...
+    springline.errors.ParameterError: scenario, line 3: pipe.diameter = -0.3; expected above 0.0
+    """
+    try:
+        raw = tomllib.loads(text)
+    except tomllib.TOMLDecodeError as error:
+        raise FormatError(f"not a TOML file: {error}", where=where) from None
+    try:
+        scenario = Scenario.model_validate(raw)
+    except ValidationError as error:
+        first = error.errors()[0]
+        raise _complaint(first, raw, text, where) from None
+    return _checked(scenario, where, text)
+
+
+def _checked(scenario: Scenario, where: str, text: str) -> Scenario:
+    try:
+        check(scenario)
+    except Problem as problem:
+        raise ParameterError(
+            f"{key_of(problem.path)} = {problem.value}{problem.why}",
+            where=_place(where, problem.path, text),
+            expected=problem.expected,
+        ) from None
+    return scenario
+
+
+def _complaint(error: ErrorDetails, raw: dict[str, Any], text: str, where: str) -> ParameterError:
+    path = _path_in(raw, error["loc"])
+    place = _place(where, path, text)
+    key = key_of(path)
+    kind = error["type"]
+    if kind == "extra_forbidden":
+        known = _known_keys(path)
+        return ParameterError(
+            f"unknown key '{key}' = {error['input']!r}{nearest(str(path[-1]), known)}",
+            where=place,
+            expected="one of " + ", ".join(known),
+        )
+    if kind == "missing":
+        return ParameterError(f"the key '{key}' is missing", where=place)
+    context = error.get("ctx", {})
+    limits = [_RANGES[name].format(limit) for name, limit in context.items() if name in _RANGES]
+    said = error["msg"].lower().removeprefix("input should be ").removeprefix("value error, ")
+    expected = " and ".join(limits) or str(context.get("expected", "")) or said
+    return ParameterError(f"{key} = {error['input']!r}", where=place, expected=expected)
+
+
+def _path_in(raw: Any, loc: tuple[int | str, ...]) -> tuple[int | str, ...]:
+    """Return the part of pydantic's location that stands in the file: union tags and the like are left out."""
+    path: list[int | str] = []
+    here = raw
+    for k, step in enumerate(loc):
+        in_list = isinstance(here, list) and isinstance(step, int) and step < len(here)
+        if in_list or (isinstance(here, dict) and step in here):
+            here = here[step]
+        elif k == len(loc) - 1 and isinstance(here, dict) and isinstance(step, str):
+            path.append(step)
+            break
+        else:
+            continue
+        path.append(step)
+    return tuple(path)
+
+
+def key_of(path: tuple[int | str, ...]) -> str:
+    """Return a path as it is spoken of: `pipe.run[1].radius`, counting from 1.
+
+    >>> key_of(("pipe", "run", 0, "radius"))
+    'pipe.run[1].radius'
+    """
+    out = ""
+    for step in path:
+        out += f"[{step + 1}]" if isinstance(step, int) else f".{step}" if out else step
+    return out
+
+
+def _place(where: str, path: tuple[int | str, ...], text: str) -> str:
+    line = line_of(text, path)
+    return f"{where}, line {line}" if line else where
+
+
+def line_of(text: str, path: tuple[int | str, ...]) -> int | None:
+    """Return the line (from 1) on which a key of a TOML text stands, or its table, or None.
+
+    >>> line_of('[a]\\nb = 1\\n[[c]]\\nd = 2\\n[[c]]\\nd = 3', ("c", 1, "d"))
+    6
+    """
+    counts: dict[str, int] = {}
+    table: tuple[int | str, ...] = ()
+    found: dict[tuple[int | str, ...], int] = {}
+    for number, row in enumerate(text.splitlines(), start=1):
+        if header := _HEADER.match(row):
+            name = header[2]
+            table = tuple(name.split("."))
+            if header[1] == "[[":
+                counts[name] = counts.get(name, -1) + 1
+                table = (*table, counts[name])
+            found.setdefault(table, number)
+        elif key := _KEY.match(row):
+            found.setdefault((*table, key[1]), number)
+    for length in range(len(path), 0, -1):
+        if path[:length] in found:
+            return found[path[:length]]
+    return None
+
+
+def _known_keys(path: tuple[int | str, ...]) -> list[str]:
+    """Return the keys that the table holding `path` may have."""
+    models: list[Any] = [Scenario]
+    for step in path[:-1]:
+        if isinstance(step, str):
+            models = [m for model in models for m in _models_in(model.model_fields[step].annotation)]
+    return sorted({name for model in models for name in model.model_fields})
+
+
+def _models_in(annotation: Any) -> list[type[BaseModel]]:
+    """Return the models that an annotation speaks of, however deeply wrapped."""
+    if isinstance(annotation, type) and issubclass(annotation, BaseModel):
+        return [annotation]
+    return [model for part in getattr(annotation, "__args__", ()) for model in _models_in(part)]

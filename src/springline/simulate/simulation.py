@@ -1,0 +1,140 @@
+"""The simulator's front door: a scenario in, a survey with its truth out, in memory or streamed to disk."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import xarray as xr
+
+from ..survey import Survey, add_assumption, save_blocks
+from .depth import depth_cloud
+from .inertial import inertial_blocks
+from .reading import load
+from .rings import ring_blocks
+from .scenario import Scenario
+from .truth import pipe_truth, ties
+from .world import World, set_up
+
+Blocks = Iterator[dict[str, xr.Dataset]]
+
+GROWING = ("ring", "ring_rear", "sample")
+"""Dims along which a survey comes in blocks; every other variable stands in one block alone."""
+
+
+def simulate(scenario: str | Path | Scenario, seed: int = 0) -> Survey:
+    """Return a simulated survey with its truth in `/truth`.
+
+    Rays are cast on the true three-dimensional wall; noise, outliers and drift are drawn from `seed`, so that one
+    scenario and one seed always give the same survey. What is random in the pipe itself (joints, roughness) has its
+    own seed in the scenario: the same pipe can be surveyed many times.
+
+    Args:
+        scenario: A TOML file, the name of a ready scenario (`scenarios()` lists them), or a `Scenario`.
+        seed: Of the measurement's noise.
+
+    Raises:
+        InputError: There is no such scenario.
+        ParameterError: The scenario is impossible; the message names key, line, value and valid range.
+
+    >>> survey = simulate("reference-ring", seed=1)
+    >>> survey.rings["range"].shape[1], survey.attrs["nominal_diameter"]
+    (360, 0.3)
+    """
+    checked = load(scenario)
+    parts: dict[str, list[xr.Dataset]] = {}
+    for block in blocks(set_up(checked, seed)):
+        for name, data in block.items():
+            parts.setdefault(name, []).append(data)
+    return _described(Survey({name: _joined(each) for name, each in parts.items()}), checked, seed)
+
+
+def simulate_to(
+    path: str | Path,
+    scenario: str | Path | Scenario,
+    seed: int = 0,
+    *,
+    force: bool = False,
+    progress: Callable[[float], None] | None = None,
+) -> Path:
+    """Write a simulated survey block by block: memory does not grow with the pipe's length.
+
+    What is written is what `save_survey(simulate(scenario, seed), path)` would write.
+
+    Args:
+        path: A zarr folder, or a `.zarr.zip`; written whole or not at all.
+        scenario: As for `simulate`.
+        seed: As for `simulate`.
+        force: Replace what stands at `path`.
+        progress: Called after each block with the share of the way that is done, 0 to 1.
+
+    Raises:
+        OutputError: `path` exists without `force`, or the disk refuses.
+    """
+    checked = load(scenario)
+    world = set_up(checked, seed)
+    stream = blocks(world)
+    first = next(stream)
+
+    def rest() -> Blocks:
+        for block in stream:
+            yield block
+            if progress is not None and "rings" in block:
+                progress(float(block["rings"]["distance"][-1] / world.counter.reading(world.end)))
+
+    return save_blocks(_described(Survey(first), checked, seed), rest(), path, force=force)
+
+
+def blocks(world: World) -> Blocks:
+    """Yield the survey's groups in blocks; the first block holds a part of every group."""
+    scenario = world.scenario
+    truth = [pipe_truth(world)]
+    first: dict[str, xr.Dataset] = {}
+    if scenario.ties is not None:
+        first["ties"], more = ties(world)
+        truth.append(more)
+    if scenario.depth_camera is not None:
+        first["points"], more = depth_cloud(world)
+        truth.append(more)
+    streams = {name: ring_blocks(world, name) for name in ("rings", "rings_rear") if getattr(scenario, name)}
+    if scenario.inertial is not None:
+        streams["inertial"] = inertial_blocks(world)
+    for name, stream in streams.items():
+        first[name], more = next(stream)
+        truth.append(more)
+    yield first | {"truth": xr.merge(truth, combine_attrs="drop_conflicts")}
+    for name, stream in streams.items():
+        for data, more in stream:
+            yield {name: data, "truth": more}
+
+
+def _joined(parts: list[xr.Dataset]) -> xr.Dataset:
+    """Return one dataset from blocks: growing variables end to end, the others from the block that has them."""
+    seen: dict[str, list[xr.Variable]] = {}
+    for part in parts:
+        for name, variable in part.variables.items():
+            seen.setdefault(str(name), []).append(variable)
+    whole = {
+        name: xr.Variable.concat(each, dim=each[0].dims[0]) if each[0].dims[0] in GROWING else each[0]
+        for name, each in seen.items()
+    }
+    return xr.Dataset(whole, attrs=parts[0].attrs)
+
+
+def _described(survey: Survey, scenario: Scenario, seed: int) -> Survey:
+    from .. import __version__
+
+    pipe, robot = scenario.pipe, scenario.robot
+    downhill = (pipe.gradient <= 0.0) != robot.from_end
+    survey = survey.with_attrs(
+        name=scenario.name,
+        nominal_diameter=pipe.diameter,
+        wall_thickness=pipe.wall_thickness,
+        material=pipe.material or None,
+        direction="downstream" if downhill else "upstream",
+        date=scenario.date or None,
+        equipment="simulated",
+        provenance=json.dumps({"version": __version__, "scenario": scenario.name, "seed": seed, "inputs": []}),
+    )
+    return add_assumption(survey, "The survey is simulated; its truth stands in /truth, which no stage reads.")

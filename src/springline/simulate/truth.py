@@ -1,0 +1,210 @@
+"""What is true of the pipe itself: sections and axis at stations, everything that stands on the wall, and the settings.
+
+All of it is told as travelled: chainages run from where the robot enters, bearings as it sees them.
+"""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import xarray as xr
+
+from ..conventions import bearing_from_clock
+from . import equipment, pipes
+from .building import joints
+from .stretches import SHAPES, parameters_at, stretches
+from .surface import radius_of_wall
+from .wall import BED, DENT, DEPOSIT, HIT_KINDS, JOINT, LATERAL, WATER
+from .world import World
+
+WALL_BEARINGS = 360
+_FINE = 1440
+
+
+def pipe_truth(world: World) -> xr.Dataset:
+    """Return the truth that does not depend on any sensor: stations, features, ties and settings."""
+    data = _stations(world) | _features(world)
+    kinds = " ".join(f"{code}={name}" for code, name in enumerate(HIT_KINDS))
+    shapes = ", ".join(f"{code}={name}" for code, name in enumerate(SHAPES))
+    return xr.Dataset(
+        data,
+        attrs={
+            "hit_kinds": kinds,
+            "shapes": shapes,
+            "scenario": json.dumps(world.scenario.model_dump(mode="json", exclude_defaults=True)),
+            "seed": world.seed,
+        },
+    )
+
+
+def _stations(world: World) -> dict[str, tuple[object, np.ndarray]]:
+    """Return the axis and the section, without what stands on it, at stations; and the wall with everything."""
+    route = world.route
+    count = int(np.floor(route.length / world.scenario.truth_spacing + 1e-9)) + 1
+    travelled = np.arange(count) * world.scenario.truth_spacing
+    s = route.chainage(travelled)
+    point, frame = route.at(travelled)
+    cell = route.centreline.index(s)
+    theta = np.arange(WALL_BEARINGS) * (2.0 * np.pi / WALL_BEARINGS)
+    wall = radius_of_wall(world.wall, cell, s, route.bearing(theta)[None], False)
+    out: dict[str, tuple[object, np.ndarray]] = {
+        "chainage": ("station", travelled),
+        "easting": ("station", point[:, 0]),
+        "northing": ("station", point[:, 1]),
+        "elevation": ("station", point[:, 2]),
+        "gradient": ("station", frame[:, 0, 2] / np.hypot(frame[:, 0, 0], frame[:, 0, 1])),
+        "heading": ("station", np.mod(np.arctan2(frame[:, 0, 0], frame[:, 0, 1]), 2.0 * np.pi)),
+        "wall_bearing": ("wall_bearing", theta),
+        "wall_radius": (("station", "wall_bearing"), wall.astype(np.float32)),
+    }
+    cells = [route.centreline.cells[k] for k in cell]
+    out["curvature"] = ("station", np.array([c.curvature for c in cells]))
+    out["curvature_bearing"] = ("station", route.bearing(np.array([c.towards for c in cells])))
+    return out | _sections(world, s, cell) | _parameters(world, s)
+
+
+def _sections(world: World, s: np.ndarray, cell: np.ndarray) -> dict[str, tuple[object, np.ndarray]]:
+    """Return diameters and areas of the bare section at each station, measured on 1440 radii."""
+    theta = np.arange(_FINE) * (2.0 * np.pi / _FINE)
+    rows: dict[str, list[np.ndarray]] = {}
+    for first in range(0, s.size, 2048):
+        part = slice(first, first + 2048)
+        radius = radius_of_wall(world.wall, cell[part], s[part], world.route.bearing(theta)[None], True)
+        for name, value in measure(radius).items():
+            rows.setdefault(name, []).append(value)
+    return {name: ("station", np.concatenate(value)) for name, value in rows.items()}
+
+
+def measure(radius: np.ndarray) -> dict[str, np.ndarray]:
+    """Return diameters [m], ovalities and area of sections (k, n) given as radii about O at n equal bearings from +z.
+
+    Chords through O, as `/metrics` defines them; the caliper diameter is the perimeter of the convex hull over pi,
+    which is the mean width over all directions.
+
+    >>> float(measure(np.full((1, 360), 0.15))["diameter_area"][0].round(12))
+    0.3
+    """
+    n = radius.shape[1]
+    chord = radius[:, : n // 2] + radius[:, n // 2 :]
+    theta = np.arange(n) * (2.0 * np.pi / n)
+    largest, smallest = _peak(chord), -_peak(-chord)
+    polar = 2.0 * radius.mean(axis=1)
+    area = np.pi * np.square(radius).mean(axis=1)
+    out = {
+        "diameter_max": largest,
+        "diameter_min": smallest,
+        "diameter_x": chord[:, 0],
+        "diameter_y": chord[:, n // 4],
+        "diameter_axes": 0.5 * (largest + smallest),
+        "diameter_polar": polar,
+        "diameter_area": 2.0 * np.sqrt(area / np.pi),
+        "diameter_caliper": _mean_width(radius, theta),
+        "area": area,
+    }
+    for name in ("axes", "polar", "area", "caliper"):
+        mean = out[f"diameter_{name}"]
+        out[f"ovality_{name}"] = (largest - mean) / mean
+    return out
+
+
+def _peak(chord: np.ndarray) -> np.ndarray:
+    """Return the largest chord: the top of the parabola through the largest one and its two neighbours."""
+    rows = np.arange(len(chord))
+    k = np.argmax(chord, axis=1)
+    left, top, right = (chord[rows, (k + step) % chord.shape[1]] for step in (-1, 0, 1))
+    bend = left - 2.0 * top + right
+    rise = np.where(bend < 0.0, (left - right) ** 2 / np.where(bend < 0.0, -8.0 * bend, 1.0), 0.0)
+    # At a hinge the chord has a corner, not a parabola's top; the sample itself is then the answer.
+    return top + np.where(rise <= 0.25 * np.abs(bend), rise, 0.0)
+
+
+def _mean_width(radius: np.ndarray, theta: np.ndarray) -> np.ndarray:
+    """Return the mean width over all directions (Cauchy), from the support function at 180 directions."""
+    directions = np.arange(180) * (np.pi / 180.0)
+    spread = np.cos(theta[:, None] - directions[None, :])
+    out = np.zeros(len(radius))
+    for row in spread.T:
+        reach = radius * row
+        out += _peak(reach) + _peak(-reach)
+    return out / directions.size
+
+
+def _parameters(world: World, s: np.ndarray) -> dict[str, tuple[object, np.ndarray]]:
+    """Return shape and severities of the section at each station."""
+    pipe = world.scenario.pipe
+    out: dict[str, np.ndarray] = {}
+    for one in stretches(pipe, world.route.length):
+        rows = (s >= one.start) & (s <= one.end)
+        if rows.any():
+            for name, value in parameters_at(pipe, one, s[rows]).items():
+                empty = np.nan if value.dtype.kind == "f" else 0
+                out.setdefault(name, np.full(s.size, empty, value.dtype))[rows] = value
+    return {name: ("station", value) for name, value in out.items()}
+
+
+def _features(world: World) -> dict[str, tuple[str, np.ndarray]]:
+    """Return what stands on the wall, in order: kind as the code of a hit, chainage, bearing, size, length, depth."""
+    pipe, route = world.scenario.pipe, world.route
+    radius = 0.5 * pipe.diameter
+    rows: list[tuple[float, ...]] = [
+        (JOINT, joint.chainage, np.nan, joint.gap, joint.gap, pipe.wall_thickness, *_set_off(joint))
+        for joint in joints(pipe)
+    ]
+    for lateral in pipe.lateral:
+        lean = np.cos(np.radians(lateral.inclination_deg))
+        size = lateral.diameter
+        rows.append((LATERAL, lateral.chainage, _bearing(lateral), size, size / lean, np.nan, *_NONE))
+    for kind, patches in ((DENT, pipe.dent), (DEPOSIT, pipe.deposit)):
+        for patch in patches:
+            size = np.radians(patch.width_deg) * radius
+            rows.append((kind, patch.chainage, _bearing(patch), size, patch.length, -patch.depth, *_NONE))
+    for kind, levels in ((BED, pipe.bed), (WATER, pipe.water)):
+        rows.extend((kind, *_extent(level, route.length, radius), *_NONE) for level in levels)
+    names = ("kind", "chainage", "bearing", "size", "length", "depth", "offset_y", "offset_z", "kink_up", "kink_right")
+    table = np.array(rows, float).reshape(-1, len(names))
+    table[:, 1] = route.chainage(table[:, 1])
+    if route.from_end:
+        table[:, 2] = route.bearing(table[:, 2])
+        # From the other end the next pipe is the one before: a step up is one down, a turn right one to the left.
+        table[:, [6, 9]] *= -1.0
+    table = table[np.argsort(table[:, 1], kind="stable")]
+    return {f"feature_{name}": ("feature", column) for name, column in zip(names, table.T, strict=True)}
+
+
+_NONE = (np.nan, np.nan, np.nan, np.nan)
+
+
+def _bearing(one: pipes.Lateral | pipes.Patch) -> float:
+    return bearing_from_clock(one.clock_h)
+
+
+def _set_off(joint: pipes.Joint) -> tuple[float, float, float, float]:
+    return joint.offset_y, joint.offset_z, np.radians(joint.kink_up_deg), np.radians(joint.kink_right_deg)
+
+
+def _extent(level: pipes.Level, length: float, radius: float) -> tuple[float, ...]:
+    """Return middle, bearing, width at its surface in a round pipe, length and depth of water or a bed."""
+    start, end = level.start or 0.0, length if level.end is None else level.end
+    width = 2.0 * np.sqrt(max(radius**2 - (radius - level.depth) ** 2, 0.0))
+    return 0.5 * (start + end), 1.5 * np.pi, width, end - start, -level.depth
+
+
+def ties(world: World) -> tuple[xr.Dataset, xr.Dataset]:
+    """Return the known points with their errors, and where they truly are; in order of travel.
+
+    A tie is a point of the pipe's axis; its distance is what the odometer reads when the robot's middle is there.
+    """
+    known: equipment.Ties = world.scenario.ties  # type: ignore[assignment]
+    route = world.route
+    travelled = np.sort(route.chainage(np.array(known.chainages, float)))
+    point, _ = route.at(travelled)
+    seen = point + known.sigma * world.rng("ties").standard_normal(point.shape)
+    names = ("easting", "northing", "elevation")
+    group = {name: ("tie", seen[:, k]) for k, name in enumerate(names)}
+    group |= {
+        "distance": ("tie", world.counter.reading(travelled)),
+        "sigma": ("tie", np.full(travelled.size, known.sigma)),
+    }
+    truth = {f"tie_{name}": ("tie", point[:, k]) for k, name in enumerate(names)}
+    return xr.Dataset(group), xr.Dataset(truth | {"tie_chainage": ("tie", travelled)})
