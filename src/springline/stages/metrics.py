@@ -40,7 +40,6 @@ def metrics(survey: Survey, config: Config) -> Survey:
             columns[name] = measure.value
             columns[f"{name}_sigma"] = _total(name, measure, scale)
     columns["diameter_area_sigma_fit"] = found["diameter_area"].sigma
-    columns |= _ovality_interval(found["ovality_polar"])
     reference, kind = reference_diameter(survey, config)
     if reference is not None:
         columns |= _against(reference, found, scale)
