@@ -122,6 +122,9 @@ def _described(group: str, data: xr.Dataset) -> xr.Dataset:
     data = data.copy(deep=False)
     for name in data.variables:
         data[name].encoding = {}
+        if data[name].dtype.kind == "U":
+            # Text of any length is specified in zarr, text of fixed length is not.
+            data[name] = data[name].astype(object)
         if str(name) in listed:
             data[name].attrs = {
                 **data[name].attrs,
@@ -216,7 +219,11 @@ def _read_groups(path: Path) -> tuple[dict[str, xr.Dataset], dict[str, Any]]:
         data = xr.open_zarr(store, group=name, consolidated=False, chunks=None)
         if "range" in data:
             data = data.assign(range=(data["range"].dims, _ranges(root[f"{name}/range"]), data["range"].attrs))
-        groups[name] = data.load()
+        data = data.load()
+        text = {key: array for key, array in data.variables.items() if array.dtype.kind in "OT"}
+        groups[name] = data.assign(
+            {key: (array.dims, array.values.astype(object).astype(str), array.attrs) for key, array in text.items()}
+        )
         if stored is not None:
             _check_chunks(root[name], stored)
     return groups, attrs

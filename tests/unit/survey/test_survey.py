@@ -44,6 +44,14 @@ def test_saved_survey_comes_back_to_a_tenth_of_the_noise(survey, tmp_path, name)
     assert back.rings["range"].attrs["units"] == "m"
 
 
+def test_text_comes_back(survey, tmp_path):
+    kinds = xr.Dataset({"kind": ("feature", ["joint", "latéral"]), "chainage": ("feature", [1.0, 2.0])})
+    save_survey(survey.with_group("features", kinds), tmp_path / "s.zarr.zip")
+    back = open_survey(tmp_path / "s.zarr.zip").features["kind"]
+    assert back.dtype.kind == "U"
+    assert list(back.values) == ["joint", "latéral"]
+
+
 def test_long_ranges_keep_their_precision(tmp_path):
     survey = ring_survey(np.full((3, 30), 12.345678), range_noise=1e-5)
     save_survey(survey, tmp_path / "s.zarr.zip")
