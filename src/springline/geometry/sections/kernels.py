@@ -191,20 +191,50 @@ def _half(s0, s, exact):
 
 
 @njit(cache=True, error_model="numpy")
+def _top(low, s1, s02, s01, exact):
+    """Return a, b, s, sin alpha, cos alpha and da/ds0 of the top arc that shares the springline of the bottom `low`."""
+    a, by_s02 = other_axis(s02, exact) if s02 != s01 else (low[0], low[6])
+    square = a * a + s02 * s02
+    s2 = math.sqrt(square - low[0] ** 2 - s01 * s01 + s1 * s1)
+    return a, s02, s2, (s02 * low[5] - a * s2) / square, (a * low[5] + s02 * s2) / square, by_s02
+
+
+@njit(cache=True, error_model="numpy")
 def hinge_table(s1, s02, s01, exact, out):
-    """Fill (N, 12): the ten columns of `polar`, then OA and s2 = the top's s, from flat arrays of severities."""
+    """Fill (N, 12): the ten columns of `polar`, then OA and s2 = the top's s, from flat arrays of severities.
+
+    The severities are valid; where rounding makes s2 leave [0, s02] it is brought back.
+    """
     for i in range(s1.size):
         low = _half(s01[i], s1[i], exact)
-        a, _ = other_axis(s02[i], exact) if s02[i] != s01[i] else (low[0], 0.0)
-        s2 = math.sqrt(max(a * a + s02[i] ** 2 - low[0] ** 2 - s01[i] ** 2 + s1[i] ** 2, 0.0))
-        s2 = min(s2, s02[i])
+        a = other_axis(s02[i], exact)[0] if s02[i] != s01[i] else low[0]
         square = a * a + s02[i] ** 2
+        s2 = min(math.sqrt(max(square - low[0] ** 2 - s01[i] ** 2 + s1[i] ** 2, 0.0)), s02[i])
         out[i, 0], out[i, 1], out[i, 2] = a, s02[i], s2
         out[i, 3] = (s02[i] * low[5] - a * s2) / square
         out[i, 4] = (a * low[5] + s02[i] * s2) / square
         for k in range(5):
             out[i, 5 + k] = low[k]
         out[i, 10], out[i, 11] = low[5], s2
+
+
+@njit(cache=True, error_model="numpy")
+def radius_of(bearing, parameters, exact, radius):
+    """Fill radius (N, M) from bearings (N or 1, M) and parameters (N, 4): r, s1, s02, s01; NaN where there is none."""
+    sections, bearings = radius.shape
+    shared = bearing.shape[0] == 1
+    for i in range(sections):
+        row = 0 if shared else i
+        r, s1, s02, s01 = parameters[i, 0], parameters[i, 1], parameters[i, 2], parameters[i, 3]
+        low = _half(s01, s1, exact)
+        top = _top(low, s1, s02, s01, exact)
+        for j in range(bearings):
+            cos, sin = math.cos(bearing[row, j]), math.sin(bearing[row, j])
+            c, v = abs(cos), abs(sin)
+            if sin >= 0.0:
+                radius[i, j] = r * _ray(c, v, top[0], top[1], top[2], top[3], top[4])[0]
+            else:
+                radius[i, j] = r * _ray(c, v, low[0], low[1], low[2], low[3], low[4])[0]
 
 
 @njit(cache=True, error_model="numpy")
@@ -234,10 +264,7 @@ def radius_and_jacobian(bearing, parameters, exact, radius, jacobian):
         row = 0 if shared else i
         r, s1, s02, s01 = parameters[i, 0], parameters[i, 1], parameters[i, 2], parameters[i, 3]
         a, b, s, sin_a, cos_a, axis, by_s01 = _half(s01, s1, exact)
-        a2, by_s02 = (a, by_s01) if s02 == s01 else other_axis(s02, exact)
-        square = a2 * a2 + s02 * s02
-        s2 = math.sqrt(square - a * a - b * b + s1 * s1)
-        sin_2, cos_2 = (s02 * axis - a2 * s2) / square, (a2 * axis + s02 * s2) / square
+        a2, _, s2, sin_2, cos_2, by_s02 = _top((a, b, s, sin_a, cos_a, axis, by_s01), s1, s02, s01, exact)
         s2_by_s1 = s1 / s2
         s2_by_s02 = (a2 * by_s02 + s02) / s2
         s2_by_s01 = -(a * by_s01 + b) / s2

@@ -190,22 +190,62 @@ def box(width: ArrayLike, height: ArrayLike, fillet: ArrayLike = 0.0) -> ArcSect
 
 @dataclass(frozen=True)
 class Shape:
-    """A listed shape: how it is built, from which numbers, and an example of them."""
+    """A listed shape.
+
+    Attributes:
+        build: Makes it from its numbers.
+        parameters: Their names, in order.
+        example: Some of them.
+        ranges: The limits of each number for the given ones.
+    """
 
     build: Callable[..., ArcSection]
     parameters: tuple[str, ...]
     example: tuple[float, ...]
+    ranges: Callable[..., tuple[tuple[ArrayLike, ArrayLike], ...]]
+
+    def limits(self, parameters: Array) -> tuple[Array, Array]:
+        """Return lower and upper limits (..., K) of the numbers, for the given ones (..., K)."""
+        pairs = self.ranges(*np.moveaxis(parameters, -1, 0))
+        low, high = (
+            np.stack(np.broadcast_arrays(parameters[..., 0], *side)[1:], -1) for side in zip(*pairs, strict=True)
+        )
+        return low, high
+
+
+_ANY = (0.0, np.inf)
+
+
+def _egg_ranges(width: Array, height: Array, invert_radius: Array) -> tuple:
+    return (2.0 * invert_radius, height), (width, np.inf), (0.0, 0.5 * width)
 
 
 SHAPES = {
-    "circle": Shape(circle, ("radius",), (0.5,)),
-    "ellipse": Shape(ellipse, ("semi_a", "semi_b", "tilt"), (0.6, 0.5, 0.3)),
-    "egg": Shape(egg, ("width", "height", "invert_radius"), (0.6, 0.9, 0.15)),
-    "new egg": Shape(egg, ("width", "height", "invert_radius"), (0.6, 0.9, 0.075)),
-    "horseshoe": Shape(horseshoe, ("diameter",), (1.2,)),
-    "inverted horseshoe": Shape(inverted_horseshoe, ("diameter",), (1.2,)),
-    "loaf": Shape(loaf, ("width", "wall", "fillet"), (1.2, 0.4, 0.15)),
-    "arch": Shape(arch, ("width", "rise", "wall"), (1.6, 0.5, 0.7)),
-    "box": Shape(box, ("width", "height", "fillet"), (1.5, 1.0, 0.1)),
+    "circle": Shape(circle, ("radius",), (0.5,), lambda radius: (_ANY,)),
+    "ellipse": Shape(
+        ellipse, ("semi_a", "semi_b", "tilt"), (0.6, 0.5, 0.3), lambda a, b, tilt: (_ANY, _ANY, (-np.inf, np.inf))
+    ),
+    "egg": Shape(egg, ("width", "height", "invert_radius"), (0.6, 0.9, 0.15), _egg_ranges),
+    "new egg": Shape(egg, ("width", "height", "invert_radius"), (0.6, 0.9, 0.075), _egg_ranges),
+    "horseshoe": Shape(horseshoe, ("diameter",), (1.2,), lambda diameter: (_ANY,)),
+    "inverted horseshoe": Shape(inverted_horseshoe, ("diameter",), (1.2,), lambda diameter: (_ANY,)),
+    "loaf": Shape(
+        loaf,
+        ("width", "wall", "fillet"),
+        (1.2, 0.4, 0.15),
+        lambda width, wall, fillet: ((2.0 * fillet, np.inf), _ANY, (0.0, 0.5 * width)),
+    ),
+    "arch": Shape(
+        arch,
+        ("width", "rise", "wall"),
+        (1.6, 0.5, 0.7),
+        lambda width, rise, wall: ((2.0 * rise, np.inf), (0.0, 0.5 * width), _ANY),
+    ),
+    "box": Shape(
+        box,
+        ("width", "height", "fillet"),
+        (1.5, 1.0, 0.1),
+        lambda w, h, fillet: ((2.0 * fillet, np.inf), (2.0 * fillet, np.inf), (0.0, 0.5 * np.minimum(w, h))),
+    ),
 }
 """The listed shapes by name; each is tested against polygons by being listed."""
