@@ -20,10 +20,12 @@ if TYPE_CHECKING:
     from .options import ReadOptions
 
 _SAMPLE = 20_000
+_SLABS = 24
 _NEAR = 3.0
 _PLAUSIBLE = (0.02, 15.0)
-# Nearly every program writes metres or millimetres; the others must fit clearly better to be believed.
-_RESERVE = {"m": 0.0, "mm": 0.0, "cm": 0.7, "in": 0.7, "ft": 0.7}
+# Within which factor of the nominal a unit is believed. Nearly every program writes metres or millimetres; the others
+# must fit well, and centimetres must be stated, or a nominal ten times too large would turn millimetres into them.
+_BELIEVED = {"m": 3.0, "mm": 3.0, "ft": 1.5, "in": 1.5}
 
 
 @dataclass(frozen=True)
@@ -108,9 +110,11 @@ def _unit(
         return stated, None
     size = min(sizes)
     if nominal:
-        unit = min(METRES, key=lambda u: abs(log(max(size, 1e-300) * METRES[u] / nominal)) + _RESERVE[u])
-        if not 1 / _NEAR <= size * METRES[unit] / nominal <= _NEAR:
+        off = {unit: abs(log(max(size, 1e-300) * METRES[unit] / nominal)) for unit in _BELIEVED}
+        fitting = [unit for unit, most in _BELIEVED.items() if off[unit] <= log(most)]
+        if not fitting:
             raise _off_nominal(size, "m", nominal, path)
+        unit = min(fitting, key=off.__getitem__)
         return unit, (
             f"{path.name}: the file states no unit; taken as {unit}, because the points then lie about "
             f"{size * METRES[unit]:.3g} m across, nearest to the nominal {nominal:g} m (--unit overrules)."
@@ -138,7 +142,7 @@ def _off_nominal(size: float, unit: str, nominal: float, path: Path) -> InputErr
 
 
 def _cross_sizes(x: np.ndarray, y: np.ndarray, z: np.ndarray) -> tuple[float, float]:
-    """Return two rough diameters in file units: about the sensor's own axis, and from the cloud's extents.
+    """Return two rough diameters in file units: about the sensor's own axis, and from slabs across the cloud.
 
     The first holds for a sensor inside the pipe, the second for a cloud whose origin lies elsewhere; scenery seen
     beyond the pipe's end inflates either, so the smaller is the better guess.
@@ -146,11 +150,20 @@ def _cross_sizes(x: np.ndarray, y: np.ndarray, z: np.ndarray) -> tuple[float, fl
     step = max(1, len(x) // _SAMPLE)
     points = np.column_stack([v[::step] for v in (x, y, z)])
     about_axis = 2.0 * float(np.median(np.hypot(points[:, 1], points[:, 2])))
-    if len(points) < 4:
+    if len(points) < _SLABS:
         return about_axis, about_axis
     centred = points - np.median(points, axis=0)
     _, directions = np.linalg.eigh(np.cov(centred.T))
-    low, high = np.quantile(centred @ directions, (0.05, 0.95), axis=0)
+    order = np.argsort(centred @ directions[:, -1])
+    # A slab of a curved run is nearly straight, and the median over slabs passes over scenery.
+    slabs = np.array_split(centred[order], min(_SLABS, len(points) // _SLABS))
+    return about_axis, float(np.median([_two_alike(slab) for slab in slabs]))
+
+
+def _two_alike(points: np.ndarray) -> float:
+    """Return the mean of those two principal extents that are most alike: a pipe's width and height."""
+    _, directions = np.linalg.eigh(np.cov(points.T))
+    low, high = np.quantile(points @ directions, (0.05, 0.95), axis=0)
     extents = np.maximum(np.sort(high - low), 1e-12)
     k = int(np.argmin(extents[1:] / extents[:-1]))
-    return about_axis, float(np.sqrt(extents[k] * extents[k + 1]))
+    return float(np.sqrt(extents[k] * extents[k + 1]))

@@ -104,7 +104,11 @@ def _units(table: dict[str, Any], path: Path) -> dict[str, str]:
     units = {}
     for key, value in table.items():
         unit = unit_name(_text(value, path, f"units.{key}"))
-        units[key] = _choice(unit, tuple(UNITS[key]), path, f"units.{key}")
+        if unit not in UNITS[key]:
+            # Of words for one unit only the first is offered.
+            offered = {factor: word for word, factor in reversed(UNITS[key].items())}
+            _choice(unit, tuple(reversed(offered.values())), path, f"units.{key}")
+        units[key] = unit
     return units
 
 

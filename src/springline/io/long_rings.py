@@ -51,7 +51,8 @@ def read_long(table: Table, columns: list[Column], units: Mapping[str, str]) -> 
     values, rows = np.concatenate(parts), np.concatenate(numbers)
     angle = _angles(values[:, 1], columns[wanted[1]], units, path)
     distance, ring = _rings(values[:, 0], rows, path)
-    bearings, reading = np.unique(np.round(angle / _ROUND).astype(np.int64), return_inverse=True)
+    _, first_of, reading = np.unique(np.round(angle / _ROUND).astype(np.int64), return_index=True, return_inverse=True)
+    bearings = angle[first_of]
     most = int(np.bincount(ring).max())
     if len(bearings) > _SPREAD * most:
         raise InputError(
@@ -69,7 +70,7 @@ def read_long(table: Table, columns: list[Column], units: Mapping[str, str]) -> 
     if at_time is not None:
         time = np.full(len(distance), np.nan)
         np.fmin.at(time, ring, values[:, 3])
-    return RingArrays(distance, ranges, bearings * _ROUND, first, time, zeros)
+    return RingArrays(distance, ranges, bearings, first, time, zeros)
 
 
 def _angles(values: np.ndarray, column: Column, units: Mapping[str, str], path: Path) -> np.ndarray:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -39,7 +39,7 @@ def read(
     unit: str | None = None,
     bearing_zero: str | None = None,
     bearing_sense: str | None = None,
-    intrinsics: tuple[float, float, float, float] | None = None,
+    intrinsics: Sequence[float] | None = None,
     depth_unit: str | None = None,
     axes: str | None = None,
     sensor: str | None = None,
@@ -81,7 +81,16 @@ def read(
     array([[0.151, 0.15 , 0.149, 0.15 ]], dtype=float32)
     """
     options = ReadOptions(
-        nominal_diameter, format, unit, bearing_zero, bearing_sense, intrinsics, depth_unit, axes, sensor, name
+        nominal_diameter=nominal_diameter,
+        format=format,
+        unit=unit,
+        bearing_zero=bearing_zero,
+        bearing_sense=bearing_sense,
+        intrinsics=None if intrinsics is None else tuple(intrinsics),  # type: ignore[arg-type]
+        depth_unit=depth_unit,
+        axes=axes,
+        sensor=sensor,
+        name=name,
     )
     if isinstance(source, (str, Path)) or not isinstance(source, Iterable):
         return read_one(Path(source), options)

@@ -80,7 +80,7 @@ FORMATS = {
         Format("mesh", "vertices of OBJ and STL meshes", (".obj", ".stl"), "clouds", "mesh:read_mesh", None),
         Format("npy", "numpy arrays: a cloud, or rings", (".npy", ".npz"), "clouds or rings",
                "numpy_files:read_numpy", None, None, _CLOUD | _RINGS),
-        Format("xyz", "text with x, y, z", (".xyz", ".asc", ".pts"), "clouds", "xyz:read_xyz", None),
+        Format("xyz", "text with x, y, z", (".xyz", ".asc", ".txt", ".csv"), "clouds", "xyz:read_xyz", None),
         Format("depth", "16-bit depth image with intrinsics", (".png", ".tif", ".tiff"), "depth images",
                "depth:read_depth", None, "depth", _DEPTH),
         Format("csv", "ring table as text, wide or long", (".csv", ".tsv", ".txt"), "rings",
@@ -126,6 +126,7 @@ def guess(path: Path) -> Format:
         raise InputError("no such file", where=path, mend="check the path")
     key = sniff(path)
     if key is None:
+        _explain_table(path)
         raise FormatError(
             "the format is not known",
             where=path,
@@ -133,6 +134,24 @@ def guess(path: Path) -> Format:
             mend="say which with --format, or see: springline formats",
         )
     return FORMATS[key]
+
+
+def _explain_table(path: Path) -> None:
+    """Raise what is wrong with a text table; return when it is none."""
+    from .tables import open_table
+
+    try:
+        names = open_table(path).names
+    except FormatError:
+        return
+    if names:
+        shown = ", ".join(names[:6]) + (", ..." if len(names) > 6 else "")
+        raise FormatError(
+            f"the columns '{shown}' are neither those of a ring table nor of a cloud",
+            where=path,
+            expected="distance_m, r_0, r_1, ... or distance_m, bearing_deg, radius_m or x, y, z",
+            mend="rename the columns, or say the format with --format",
+        )
 
 
 def _load(place: str | None) -> Callable:

@@ -18,6 +18,8 @@ if TYPE_CHECKING:
 
 _NEAR = 3.0
 _CLOSE = 1.5
+# Centimetres must be stated: a nominal ten times too large would turn millimetres into them.
+_GUESSED = ("m", "mm", "in", "ft")
 _PLAUSIBLE_RADIUS = (0.01, 10.0)
 
 
@@ -50,7 +52,7 @@ def range_unit(
     diameter = 2.0 * _median(ranges)
     nominal = options.nominal_diameter
     if nominal and diameter > 0:
-        unit = min(METRES, key=lambda u: abs(log(diameter * METRES[u] / nominal)))
+        unit = min(_GUESSED, key=lambda u: abs(log(diameter * METRES[u] / nominal)))
         if 1 / _CLOSE <= diameter * METRES[unit] / nominal <= _CLOSE:
             return unit, (
                 f"{path.name}: the column '{stated.name}' states no unit; taken as {unit}, as twice the median range "

@@ -21,6 +21,7 @@ if TYPE_CHECKING:
 
 _BLOCK = 8 << 20
 _SNIFF = 1 << 18
+_PASSED = ("#", "//", "sep=")
 _MISSING = frozenset(("", "nan", "-nan", "n/a", "na", "#n/a", "null", "none", "<na>", "-"))
 
 
@@ -72,8 +73,8 @@ class TextTable:
 def open_table(path: Path) -> TextTable:
     """Return the layout of a text table: delimiter, decimal sign, header.
 
-    Lines that are empty or begin with # or // before the first row are passed over; the last of them serves as header
-    when the table has no other and it has as many names as there are columns.
+    Lines that are empty or begin with #, // or sep= before the first row are passed over; the last of them serves as
+    header when the table has no other and it has as many names as there are columns.
 
     Raises:
         FormatError: The file is not text, or holds no row.
@@ -89,7 +90,7 @@ def open_table(path: Path) -> TextTable:
     start, comment = 0, ""
     for index, raw in enumerate(lines):
         line = raw.decode("utf-8-sig" if start == 0 else "utf-8", errors="replace").strip()
-        if line and not line.startswith(("#", "//")):
+        if line and not line.startswith(_PASSED):
             return _layout(path, lines, index, start, line, comment)
         comment = line.lstrip("#/ ") or comment
         start += len(raw)
