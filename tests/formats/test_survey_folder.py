@@ -159,7 +159,7 @@ FAULTS = {
     "unknown key": ("survey.toml", 'material = "PVC"', 'materiel = "PVC"', "unknown key, did you mean 'material'"),
     "unknown sensor key": ("survey.toml", "bearing_sense", "bearing_sens", "sensor.bearing_sens: unknown key"),
     "unknown part": ("survey.toml", "ties = ", "tie = ", "parts.tie: unknown key, did you mean 'ties'"),
-    "unknown unit": ("survey.toml", 'range = "mm"', 'range = "mn"', r"'mn' is unknown.* expected cm or in or ft or m or mm$"),
+    "unknown unit": ("survey.toml", 'range = "mm"', 'range = "mn"', r"'mn' is unknown.* ft or m or mm$"),
     "unknown quantity": ("survey.toml", "heading = ", "hedding = ", "units.hedding: unknown key, did you mean 'head"),
     "no unit": ("survey.toml", '"300mm"', "300", "nominal_diameter: 300 has no unit"),
     "no length": ("survey.toml", '"300mm"', '"wide"', "nominal_diameter: 'wide' is not a length"),

@@ -46,10 +46,10 @@ def convert(
 ) -> None:
     """Convert a scan from one format to another.
 
-    Writes whole or not at all. What was assumed while reading, and what the output format cannot hold, is told on
-    stderr.
+    Writes whole or not at all. Told on stderr: what was assumed while reading, what the output cannot hold.
     """
     from ..io.reading import read_one
+    from ..io.registry import by_key
     from ..io.writing import left_out, output_format, write
 
     options = reading.read_options(
@@ -64,7 +64,7 @@ def convert(
         sensor=sensor,
         name=name,
     )
-    kind = output_format(target, to)
+    kind = output_format(target, None if to is None else by_key(to, where="--to").key)
     if source.exists() and target.exists() and source.samefile(target):
         raise InputError("the output is the input", where=target, mend="choose another name")
     survey = read_one(source, options)

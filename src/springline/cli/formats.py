@@ -31,6 +31,7 @@ def formats(as_json: Json = False) -> None:
         typer.echo(json.dumps([_record(f) for f in FORMATS.values()], indent=2))
         return
     from rich.console import Console
+    from rich.markup import escape
     from rich.table import Table
 
     table = Table("format", "holds", "extensions", "reads", "writes", "what it is")
@@ -43,7 +44,7 @@ def formats(as_json: Json = False) -> None:
             " ".join(f.extensions) or "(a folder)",
             "yes" if f.reader else "",
             "yes" if f.writer else "",
-            title,
+            escape(title),
         )
     Console().print(table)
 

@@ -6,6 +6,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from ..errors import InputError
+
 if TYPE_CHECKING:
     from ..io import ReadOptions
 
@@ -72,17 +74,25 @@ def read_options(
         InputError: A value cannot be understood; the message names the option and what it may be.
     """
     from ..io.options import ReadOptions, parse_intrinsics
+    from ..io.registry import by_key
     from ..io.units import length
 
-    return ReadOptions(
-        nominal_diameter=None if nominal is None else length(nominal, where="--nominal"),
-        format=format,
-        unit=unit,
-        bearing_zero=bearing_zero,
-        bearing_sense=bearing_sense,
-        intrinsics=None if intrinsics is None else parse_intrinsics(intrinsics),
-        depth_unit=depth_unit,
-        axes=axes,
-        sensor=sensor,
-        name=name,
-    )
+    try:
+        if format is not None:
+            by_key(format)
+        return ReadOptions(
+            nominal_diameter=None if nominal is None else length(nominal, where="--nominal"),
+            format=format,
+            unit=unit,
+            bearing_zero=bearing_zero,
+            bearing_sense=bearing_sense,
+            intrinsics=None if intrinsics is None else parse_intrinsics(intrinsics),
+            depth_unit=depth_unit,
+            axes=axes,
+            sensor=sensor,
+            name=name,
+        )
+    except InputError as error:
+        # The library names its own parameter; people typed a flag.
+        parameter = str(error.where).removeprefix("--").removesuffix("_diameter").replace("_", "-")
+        raise InputError(error.what, where=f"--{parameter}", expected=error.expected, mend=error.mend) from None

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import struct
 from typing import TYPE_CHECKING, Any
 
@@ -32,6 +33,8 @@ def _laspy() -> Any:
         import lazrs  # noqa: F401 -- the compression of LAZ
     except ImportError:
         raise MissingExtraError.of("las", "reading and writing LAS and LAZ files") from None
+    # What laspy logs about a damaged file, the error says; without a handler it would also be printed.
+    logging.getLogger("laspy").addHandler(logging.NullHandler())
     return laspy
 
 

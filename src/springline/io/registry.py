@@ -96,8 +96,12 @@ FORMATS = {
 """All formats by key."""
 
 
-def by_key(key: str) -> Format:
+def by_key(key: str, *, where: str = "format") -> Format:
     """Return the format called `key`, which may also be a file extension that only one format has.
+
+    Args:
+        key: The key or extension.
+        where: What to name in messages.
 
     Raises:
         InputError: There is none of that name.
@@ -109,7 +113,7 @@ def by_key(key: str) -> Format:
     if len(found) == 1:
         return found[0]
     raise InputError(
-        f"the format '{key}' is unknown{nearest(wanted, FORMATS)}", where="format", expected=", ".join(FORMATS)
+        f"the format '{key}' is unknown{nearest(wanted, FORMATS)}", where=where, expected=", ".join(FORMATS)
     )
 
 
