@@ -1,4 +1,4 @@
-"""Moments of the readings up to degree four, and the algebraic fits that follow from them alone."""
+"""Moments of the readings up to degree four, and the circles that follow from them alone."""
 
 from __future__ import annotations
 
@@ -6,12 +6,13 @@ from math import sqrt
 
 from numba import njit
 
-from springline.geometry.fitting._linalg import FAST, factorise, substitute
+from springline.geometry.fitting._linalg import FAST
+from springline.geometry.fitting.options import CIRCLE_METHODS
 
 # the fifteen sums of w z^i y^j, named by their factors
 (N, Z, Y, ZZ, ZY, YY, ZZZ, ZZY, ZYY, YYY, ZZZZ, ZZZY, ZZYY, ZYYY, YYYY) = range(15)
 
-KASA, PRATT, TAUBIN = range(3)
+KASA, PRATT, TAUBIN = CIRCLE_METHODS["kasa"], CIRCLE_METHODS["pratt"], CIRCLE_METHODS["taubin"]
 
 
 @njit(cache=True, nogil=True, error_model="numpy", fastmath=FAST)
@@ -118,44 +119,6 @@ def circle_from_moments(m, method, par):
     par[0] = cz + dz
     par[1] = cy + dy
     par[2] = sqrt(dz * dz + dy * dy + spread + (2.0 * x if method == PRATT else 0.0))
-    return True
-
-
-@njit(cache=True, nogil=True, error_model="numpy")
-def gander(m, conic, normal, vector):
-    """Write the conic (a, b, c, d, e, f) of least algebraic distance with a + c = 1; return whether there is one.
-
-    F = ((1 + q) z^2 + (1 - q) y^2)/2 + b z y + d z + e y + f is linear in its five unknowns.
-    """
-    normal[0, 0] = 0.25 * (m[ZZZZ] - 2.0 * m[ZZYY] + m[YYYY])
-    normal[1, 0] = 0.5 * (m[ZZZY] - m[ZYYY])
-    normal[2, 0] = 0.5 * (m[ZZZ] - m[ZYY])
-    normal[3, 0] = 0.5 * (m[ZZY] - m[YYY])
-    normal[4, 0] = 0.5 * (m[ZZ] - m[YY])
-    normal[1, 1] = m[ZZYY]
-    normal[2, 1] = m[ZZY]
-    normal[3, 1] = m[ZYY]
-    normal[4, 1] = m[ZY]
-    normal[2, 2] = m[ZZ]
-    normal[3, 2] = m[ZY]
-    normal[4, 2] = m[Z]
-    normal[3, 3] = m[YY]
-    normal[4, 3] = m[Y]
-    normal[4, 4] = m[N]
-    vector[0] = -0.25 * (m[ZZZZ] - m[YYYY])
-    vector[1] = -0.5 * (m[ZZZY] + m[ZYYY])
-    vector[2] = -0.5 * (m[ZZZ] + m[ZYY])
-    vector[3] = -0.5 * (m[ZZY] + m[YYY])
-    vector[4] = -0.5 * (m[ZZ] + m[YY])
-    if not factorise(normal, 5, normal):
-        return False
-    substitute(normal, 5, vector, vector)
-    conic[0] = 0.5 * (1.0 + vector[0])
-    conic[1] = vector[1]
-    conic[2] = 0.5 * (1.0 - vector[0])
-    conic[3] = vector[2]
-    conic[4] = vector[3]
-    conic[5] = vector[4]
     return True
 
 

@@ -8,6 +8,9 @@ from numba import njit
 
 from springline.geometry.fitting._linalg import FAST
 
+ANGLE_BINS = 128
+"""Bins of angle by which readings are put in order."""
+
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def gather(z, y, weight, weighted, out_z, out_y, out_w, index):
@@ -72,7 +75,7 @@ def normalise(z, y, n):
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def order_by_angle(z, y, w, index, n, key, counts, other):
-    """Put the readings in order of the angle about the origin, to a tenth of a sector.
+    """Put the readings in order of the angle about the origin, to a bin.
 
     `key`, `counts` (integer) and `other` (4, n) are scratch. The angle is the diamond angle, which needs no
     transcendental function and orders as the bearing does.
@@ -106,28 +109,21 @@ def order_by_angle(z, y, w, index, n, key, counts, other):
         index[i] = int(other[3, i])
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
-def select(values, n, k):
-    """Return the k-th smallest of the first n values, reordering them (Hoare's selection)."""
-    left = 0
-    right = n - 1
-    while left < right:
-        pivot = values[(left + right) // 2]
-        i = left
-        j = right
-        while i <= j:
-            while values[i] < pivot:
-                i += 1
-            while values[j] > pivot:
-                j -= 1
-            if i <= j:
-                values[i], values[j] = values[j], values[i]
-                i += 1
-                j -= 1
-        if k <= j:
-            right = j
-        elif k >= i:
-            left = i
+@njit(cache=True, nogil=True, error_model="numpy", fastmath=FAST)
+def quantile(squares, n, k):
+    """Return, to 1 %, the k-th smallest (from 1) of the squares: bisection on counts, which do not branch.
+
+    Squares below 1e-26 count as that; they are in units of the squared rms radius.
+    """
+    low = 1e-26
+    high = 1e12
+    for _ in range(14):
+        middle = sqrt(low * high)
+        count = 0
+        for i in range(n):
+            count += 1 if squares[i] <= middle else 0
+        if count >= k:
+            high = middle
         else:
-            return values[k]
-    return values[k]
+            low = middle
+    return high

@@ -8,7 +8,7 @@ from numba import njit
 
 from springline.geometry.fitting._feet import circle_feet, ellipse_feet
 from springline.geometry.fitting._linalg import FAST, factorise, substitute
-from springline.geometry.fitting._readings import select
+from springline.geometry.fitting._readings import quantile
 
 CUT = 4.685
 """Readings beyond this many sigmas are rejected: 95 % efficiency on Gaussian noise (Tukey's bisquare)."""
@@ -111,13 +111,13 @@ def gram(p, n, jacobian, distance, omega, product, normal, gradient):
             normal[b, a] = total
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(cache=True, nogil=True, error_model="numpy", fastmath=FAST)
 def _median_scale(distance, prior, n, p, scratch):
     """Return the noise from the median absolute distance, at least FLOOR."""
     for i in range(n):
-        scratch[i] = abs(distance[i]) * sqrt(prior[i])
+        scratch[i] = prior[i] * distance[i] * distance[i]
     # p of the distances are near zero because the fit passes through them
-    return max(1.4826 * select(scratch, n, min(n - 1, (n + p) // 2)), FLOOR)
+    return max(1.4826 * sqrt(quantile(scratch, n, min(n, (n + p) // 2 + 1))), FLOOR)
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -148,7 +148,7 @@ def refine(p, z, y, prior, n, par, robust, tolerance, rows, sums, small):
     """Bring `par` to the least (robust) sum of squared distances; return (whether it converged, sigma).
 
     `rows` (10, n) is scratch that leaves with the distances in row 0, the weights in row 1 and the derivatives in rows
-    5 to 9; `small` (3, 5, 5) is scratch, `sums` leaves as `weigh` fills it. `tolerance` is the length of the last
+    5 to 9; `small` (5, 5, 5) is scratch, `sums` leaves as `weigh` fills it. `tolerance` is the length of the last
     step in sigmas of the parameters: what the distances of the step before it are off by.
     """
     distance, omega, foot, product, jacobian = rows[0], rows[1], rows[2], rows[3], rows[5:10]

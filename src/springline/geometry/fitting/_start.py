@@ -1,4 +1,4 @@
-"""A deterministic robust start: thirteen algebraic fits, twelve of which leave out a third of the wall; then trimming."""
+"""A deterministic robust start: algebraic fits, most of which leave out a part of the wall, and then trimming."""
 
 from __future__ import annotations
 
@@ -6,15 +6,15 @@ from math import log
 
 from numba import njit
 
+from springline.geometry.fitting._eigen import GANDER, conic_from_moments
 from springline.geometry.fitting._linalg import FAST
 from springline.geometry.fitting._moments import (
     TAUBIN,
     add_moments,
     circle_from_moments,
     ellipse_of_conic,
-    gander,
 )
-from springline.geometry.fitting._readings import select
+from springline.geometry.fitting._readings import quantile
 
 SECTORS = 12
 """Parts of equal count into which the readings, in order round the wall, are cut."""
@@ -34,6 +34,9 @@ CONCENTRATIONS = 3
 
 LEAST_SQUARE = 1e-12
 """Squared distance, in units of the squared rms radius, below which readings count as being on the wall."""
+
+MOST_OVAL_START = 0.667
+"""(a - b)/(a + b) of the flattest ellipse that may be a start."""
 
 NO_FIT = 1e300
 
@@ -67,14 +70,14 @@ def _misfit(squares, n):
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def _candidate(p, moments, par, conic, small):
-    """Write the algebraic circle (p = 3) or ellipse (p = 5) of `moments`; return whether there is one.
+def algebraic_start(p, moments, par, conic, small):
+    """Write the algebraic circle (p = 3) or ellipse (p = 5) of `moments` as `par` (5) and `conic`; False if none.
 
-    An ellipse flatter than 5:1 is passed over for the circle of the same readings.
+    An ellipse flatter than MOST_OVAL_START is passed over for the circle of the same readings.
     """
-    if p == 5 and gander(moments, conic, small[0], small[1, 0]) and ellipse_of_conic(conic, par):
-        if par[3] ** 2 + par[4] ** 2 < (2.0 / 3.0 * par[2]) ** 2:
-            return True
+    found = p == 5 and conic_from_moments(moments, GANDER, conic, small) and ellipse_of_conic(conic, par)
+    if found and par[3] ** 2 + par[4] ** 2 < (MOST_OVAL_START * par[2]) ** 2:
+        return True
     if not circle_from_moments(moments, TAUBIN, par):
         return False
     par[3] = 0.0
@@ -92,19 +95,17 @@ def _candidate(p, moments, par, conic, small):
 def _concentrate(p, judged, n, par, conic, moments, small):
     """Refit to the readings nearest to the candidate, some times over; return the misfit that is left.
 
-    `judged` holds z, y, prior weight, and three rows of scratch.
+    `judged` holds z, y, prior weight, and two rows of scratch.
     """
-    z, y, prior, squares, weight, sorting = judged[0], judged[1], judged[2], judged[3], judged[4], judged[5]
+    z, y, prior, squares, weight = judged[0], judged[1], judged[2], judged[3], judged[4]
     kept = min(max(int(TRIMMED_TO * n), p + 1), n)
     for _ in range(CONCENTRATIONS):
         _squared_distances(z, y, n, conic, squares)
-        for i in range(n):
-            sorting[i] = squares[i]
-        limit = select(sorting, n, kept - 1)
+        limit = quantile(squares, n, kept)
         for i in range(n):
             weight[i] = prior[i] if squares[i] <= limit else 0.0
         add_moments(z, y, weight, 0, n, moments)
-        if not _candidate(p, moments, par, conic, small):
+        if not algebraic_start(p, moments, par, conic, small):
             return NO_FIT
     _squared_distances(z, y, n, conic, squares)
     return _misfit(squares, n)
@@ -114,7 +115,7 @@ def _concentrate(p, judged, n, par, conic, moments, small):
 def robust_start(p, z, y, w, n, par, sectors, judged, small):
     """Write the start for the circle (p = 3) or the ellipse (p = 5) into `par`; return whether there is one.
 
-    `sectors` (SECTORS + 2, 15), `judged` (6, n) and `small` (3, 5, 5) are scratch.
+    `sectors` (SECTORS + 2, 15), `judged` (5, n) and `small` (5, 5, 5) are scratch.
     """
     everything, part = sectors[SECTORS], sectors[SECTORS + 1]
     everything[:] = 0.0
@@ -128,15 +129,15 @@ def robust_start(p, z, y, w, n, par, sectors, judged, small):
         judged[0, k] = z[k * stride]
         judged[1, k] = y[k * stride]
         judged[2, k] = w[k * stride]
-    conic = small[2].ravel()[:6]
-    trial = small[2, 2]
+    conic = small[4].ravel()[:6]
+    trial = small[4, 2]
     # finalists in order: misfit in the first row, their parts in the second
-    misfits, places = small[2, 3], small[2, 4]
+    misfits, places = small[4, 3], small[4, 4]
     for f in range(FINALISTS):
         misfits[f] = NO_FIT
     for k in range(SECTORS + 1):
         _leave_out(sectors, k, part)
-        if not _candidate(p, part, trial, conic, small):
+        if not algebraic_start(p, part, trial, conic, small):
             continue
         _squared_distances(judged[0], judged[1], few, conic, judged[3])
         misfit = _misfit(judged[3], few)
@@ -149,7 +150,7 @@ def robust_start(p, z, y, w, n, par, sectors, judged, small):
     for f in range(FINALISTS):
         if misfits[f] < NO_FIT:
             _leave_out(sectors, int(places[f]), part)
-            if _candidate(p, part, trial, conic, small):
+            if algebraic_start(p, part, trial, conic, small):
                 misfit = _concentrate(p, judged, few, trial, conic, part, small)
                 if misfit < best:
                     best = misfit

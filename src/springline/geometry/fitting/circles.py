@@ -9,14 +9,11 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Unpack
 
 from springline.geometry.fitting import _batch
-from springline.geometry.fitting.options import FitOptions, Resolved, resolve
+from springline.geometry.fitting.options import CIRCLE_METHODS, FitOptions, resolve
 from springline.geometry.fitting.results import CircleFit, CircleFits
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
-
-METHODS = {"geometric": -1}
-"""Circle methods by name, as the kernels number them."""
 
 
 def fit_circles(z: ArrayLike, y: ArrayLike, **options: Unpack[FitOptions]) -> CircleFits:
@@ -38,7 +35,7 @@ def fit_circles(z: ArrayLike, y: ArrayLike, **options: Unpack[FitOptions]) -> Ci
     >>> print(1000 * fits.radius.round(6), 1000 * fits.centre_z.round(6))
     [150.] [20.]
     """
-    return _fit(_batch.points_source(z, y), resolve(options, METHODS))
+    return CircleFits(**_batch.fit(3, _batch.points_source(z, y), resolve(options, CIRCLE_METHODS)))
 
 
 def fit_circles_to_ranges(ranges: ArrayLike, bearings: ArrayLike, **options: Unpack[FitOptions]) -> CircleFits:
@@ -57,7 +54,7 @@ def fit_circles_to_ranges(ranges: ArrayLike, bearings: ArrayLike, **options: Unp
     >>> fit_circles_to_ranges(np.full((2, 36), 0.15, np.float32), bearings).radius.round(6)
     array([0.15, 0.15])
     """
-    return _fit(_batch.ranges_source(ranges, bearings), resolve(options, METHODS))
+    return CircleFits(**_batch.fit(3, _batch.ranges_source(ranges, bearings), resolve(options, CIRCLE_METHODS)))
 
 
 def fit_circle(points: ArrayLike, **options: Unpack[FitOptions]) -> CircleFit:
@@ -75,13 +72,5 @@ def fit_circle(points: ArrayLike, **options: Unpack[FitOptions]) -> CircleFit:
     >>> fit_circle([(1, 0), (0, 1)]).reason
     'too few readings'
     """
-    return _fit(_batch.one_source(points), resolve(options, METHODS, noise="orthogonal"))[0]
-
-
-def _fit(source: tuple, options: Resolved) -> CircleFits:
-    from springline.geometry.fitting._geometric import fit_rings
-
-    def kernel(z, y, weight, weighted, *rest):
-        fit_rings(3, z, y, weight, weighted, options.robust, options.noise, options.least_arc, *rest)
-
-    return CircleFits(**_batch.run(kernel, source, 3, options))
+    options = resolve(options, CIRCLE_METHODS, noise="orthogonal")
+    return CircleFits(**_batch.fit(3, _batch.one_source(points), options))[0]

@@ -9,14 +9,11 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Unpack
 
 from springline.geometry.fitting import _batch
-from springline.geometry.fitting.options import FitOptions, Resolved, resolve
+from springline.geometry.fitting.options import ELLIPSE_METHODS, FitOptions, resolve
 from springline.geometry.fitting.results import EllipseFit, EllipseFits
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
-
-METHODS = {"geometric": -1}
-"""Ellipse methods by name, as the kernels number them."""
 
 
 def fit_ellipses(z: ArrayLike, y: ArrayLike, **options: Unpack[FitOptions]) -> EllipseFits:
@@ -38,7 +35,7 @@ def fit_ellipses(z: ArrayLike, y: ArrayLike, **options: Unpack[FitOptions]) -> E
     >>> print(1000 * fits.semi_major.round(6), 1000 * fits.semi_minor.round(6))
     [160.] [140.]
     """
-    return _fit(_batch.points_source(z, y), resolve(options, METHODS))
+    return EllipseFits(**_batch.fit(5, _batch.points_source(z, y), resolve(options, ELLIPSE_METHODS)))
 
 
 def fit_ellipses_to_ranges(ranges: ArrayLike, bearings: ArrayLike, **options: Unpack[FitOptions]) -> EllipseFits:
@@ -57,7 +54,7 @@ def fit_ellipses_to_ranges(ranges: ArrayLike, bearings: ArrayLike, **options: Un
     >>> fit_ellipses_to_ranges(np.full((2, 36), 0.15, np.float32), bearings).mean_radius.round(6)
     array([0.15, 0.15])
     """
-    return _fit(_batch.ranges_source(ranges, bearings), resolve(options, METHODS))
+    return EllipseFits(**_batch.fit(5, _batch.ranges_source(ranges, bearings), resolve(options, ELLIPSE_METHODS)))
 
 
 def fit_ellipse(points: ArrayLike, **options: Unpack[FitOptions]) -> EllipseFit:
@@ -76,13 +73,5 @@ def fit_ellipse(points: ArrayLike, **options: Unpack[FitOptions]) -> EllipseFit:
     >>> fit_ellipse([(1, 0), (0, 1)]).reason
     'too few readings'
     """
-    return _fit(_batch.one_source(points), resolve(options, METHODS, noise="orthogonal"))[0]
-
-
-def _fit(source: tuple, options: Resolved) -> EllipseFits:
-    from springline.geometry.fitting._geometric import fit_rings
-
-    def kernel(z, y, weight, weighted, *rest):
-        fit_rings(5, z, y, weight, weighted, options.robust, options.noise, options.least_arc, *rest)
-
-    return EllipseFits(**_batch.run(kernel, source, 5, options))
+    options = resolve(options, ELLIPSE_METHODS, noise="orthogonal")
+    return EllipseFits(**_batch.fit(5, _batch.one_source(points), options))[0]

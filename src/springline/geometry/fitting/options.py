@@ -11,8 +11,19 @@ from springline.errors import ParameterError, nearest
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
 
+FEWEST_SEARCHED = 4
+"""Readings per parameter below which an outlier cannot be told, and none is looked for."""
+
 SHORTEST_ARC = pi / 6
 """Readings that span less than this about the centre do not determine a section [rad]: 30 degrees."""
+
+GEOMETRIC = -1
+
+CIRCLE_METHODS = {"geometric": GEOMETRIC, "kasa": 0, "pratt": 1, "taubin": 2, "svd": 3}
+"""Circle fits by name, as the kernels number them."""
+
+ELLIPSE_METHODS = {"geometric": GEOMETRIC, "bookstein": 0, "fitzgibbon": 1, "gander": 2}
+"""Ellipse fits by name, as the kernels number them."""
 
 NOISE_MODELS = {"orthogonal": 0, "isotropic": 1, "range": 2}
 """Models of the readings' errors by name, as the kernels number them."""
@@ -26,7 +37,7 @@ class FitOptions(TypedDict, total=False):
         weights: Relative inverse variance of each reading, or a mask: anything that broadcasts to (ring, point). A
             reading whose weight is zero, negative or NaN is not used.
         robust: Whether outliers are rejected. The default is to reject them in geometric fits and not in algebraic
-            ones. Fewer than three readings per parameter cannot tell an outlier, and are fitted by least squares.
+            ones. Fewer than four readings per parameter cannot tell an outlier, and are fitted by least squares.
         noise: How the readings err, for geometric fits. "range": along the ray from the origin of the readings, which
             must be the sensor or near the axis (default for rings). "isotropic": equally in z and y, as in point
             clouds; distances then have the mean sigma^2/(2 R), which is removed. "orthogonal": distances count as
@@ -50,6 +61,7 @@ class Resolved:
     """Options with every default filled in and every name checked."""
 
     method: str
+    method_number: int
     weights: ArrayLike | None
     robust: bool
     noise: int
@@ -82,8 +94,9 @@ def resolve(options: FitOptions, methods: dict[str, int], noise: str = "range") 
         raise ParameterError(f"workers is {workers}", expected="one or more threads, or None for all cores")
     return Resolved(
         method=method,
+        method_number=methods[method],
         weights=options.get("weights"),
-        robust=bool(options.get("robust", method == "geometric")),
+        robust=bool(options.get("robust", methods[method] == GEOMETRIC)),
         noise=NOISE_MODELS[noise],
         least_arc=least_arc,
         keep_weights=bool(options.get("keep_weights", False)),
