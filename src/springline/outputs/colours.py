@@ -15,13 +15,13 @@ LEVELS = 201
 
 _INWARD_TO_OUTWARD = (
     (0.00, "#7a2a12"),
-    (0.15, "#b5502a"),
-    (0.32, "#e39a63"),
-    (0.44, "#f3d9bd"),
+    (0.12, "#b5502a"),
+    (0.27, "#e39a63"),
+    (0.40, "#f3dcc4"),
     (0.50, "#f6f4ee"),
-    (0.56, "#cfe0ea"),
-    (0.68, "#7fb1d3"),
-    (0.85, "#2f74a8"),
+    (0.60, "#d5e3eb"),
+    (0.73, "#7fb1d3"),
+    (0.88, "#2f74a8"),
     (1.00, "#12395f"),
 )
 
@@ -38,16 +38,17 @@ REASON_COLOURS = {
 """Colours of readings that show no departure, by reason."""
 
 
-def _rgb(colour: str) -> tuple[int, int, int]:
+def rgb(colour: str) -> tuple[int, int, int]:
+    """Return the three parts of a colour such as '#7a2a12'."""
     return int(colour[1:3], 16), int(colour[3:5], 16), int(colour[5:7], 16)
 
 
 def scale_colours() -> np.ndarray:
     """Return the scale of departures, inward first, (LEVELS, 3) uint8 in sRGB."""
     at = np.array([a for a, _ in _INWARD_TO_OUTWARD])
-    rgb = np.array([_rgb(c) for _, c in _INWARD_TO_OUTWARD], float)
+    anchors = np.array([rgb(c) for _, c in _INWARD_TO_OUTWARD], float)
     level = np.linspace(0.0, 1.0, LEVELS)
-    return np.rint(np.stack([np.interp(level, at, rgb[:, k]) for k in range(3)], axis=1)).astype(np.uint8)
+    return np.rint(np.stack([np.interp(level, at, anchors[:, k]) for k in range(3)], axis=1)).astype(np.uint8)
 
 
 def levels(departure: np.ndarray, limit: float) -> np.ndarray:

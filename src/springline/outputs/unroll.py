@@ -26,6 +26,19 @@ REASONS = {**MASK_REASONS, NO_SECTION: "no_section"}
 NO_STATION = 255
 """Reason of a column that no station reaches."""
 
+REASON_WORDS = {
+    "used": "used",
+    "no_return": "no return",
+    "outlier": "outlier",
+    "water": "water or sediment",
+    "occluded": "occluded",
+    "lateral": "lateral",
+    "out_of_range": "out of range",
+    "no_section": "seen, but no section was fitted",
+    "no_station": "no readings here",
+}
+"""Why a reading is used or not, for people."""
+
 # Which reason speaks for a cell that holds several.
 _PRIORITY = (0, 5, 3, NO_SECTION, 4, 2, 6, 1)
 _ROWS = (12, 180)
@@ -80,7 +93,7 @@ class Unrolled:
         return Unrolled(edges[:-1], edges[1:], self.bearing, shape, surface, reason, self.circle_diameter)
 
 
-def unroll(results: Results, *, cells: int = 4_000_000) -> Unrolled:
+def unroll(results: Results, *, cells: int = 7_000_000) -> Unrolled:
     """Return the unrolled wall, with at most about `cells` cells.
 
     Bearings have half as many rows as a ring has readings, so that a sensor off the axis leaves no false hole, and 180

@@ -15,6 +15,7 @@ from .report import render_report
 from .results import Results
 from .summary import summary
 from .unroll import unroll
+from .viewer import render_viewer
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -94,5 +95,6 @@ def _writers(results: Results, config_toml: str) -> dict[str, Callable[[Path], o
         "config.toml": text(config_toml),
         "pipe.glb": lambda path: write_glb(wall, path, name=name),
         "report.html": lambda path: text(render_report(results, wall, config_toml))(path),
+        "viewer.html": lambda path: text(render_viewer(results, wall))(path),
         "survey.zarr.zip": lambda path: save_survey(survey, path),
     }

@@ -118,6 +118,8 @@ def _section(x, half, turn, centre_y, centre_z, coverage, fitted):
             "status": ("station", np.where(fitted, 0, 1).astype(np.uint8)),
             "centre_y": known(centre_y),
             "centre_z": known(centre_z),
+            "deviation_in": known(-0.008 * np.exp(-(((x - 18.0) / 0.25) ** 2)) - 2e-4),
+            "deviation_in_bearing": known(np.full(x.size, bearing_from_clock(2.0))),
             "flags": ("station", np.where(coverage < 0.5, "low_coverage", "").astype(object)),
         },
         attrs={"model": "ellipse", "range_scale_sigma": SCALE, "range_scale_source": "default of ring lasers"},

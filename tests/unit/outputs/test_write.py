@@ -19,6 +19,7 @@ FILES = {
     "stations_sigma.csv",
     "summary.json",
     "survey.zarr.zip",
+    "viewer.html",
 }
 
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from ...conventions import MASK_REASONS, clock_from_bearing
 from ..colours import REASON_COLOURS
-from .maps import REASON_WORDS
+from ..unroll import REASON_WORDS
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from ..results import Results
 
 _RADIUS = 100.0
-_SHARE = 0.2
+_SHARE = 0.3
 _STEPS = (1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0, 200.0, 500.0)
 
 

@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..colours import LEVELS, REASON_COLOURS, levels, nice_limit, scale_colours
+from ..colours import LEVELS, REASON_COLOURS, levels, nice_limit, rgb, scale_colours
 from ..png import palette_png
-from ..unroll import NO_STATION, REASONS
+from ..unroll import NO_STATION, REASON_WORDS, REASONS
 
 if TYPE_CHECKING:
     from ..unroll import Unrolled
@@ -18,19 +18,6 @@ if TYPE_CHECKING:
 
 _WIDTH = 1200
 _USED = "#dfe8ef"
-
-REASON_WORDS = {
-    "used": "used",
-    "no_return": "no return",
-    "outlier": "outlier",
-    "water": "water or sediment",
-    "occluded": "occluded",
-    "lateral": "lateral",
-    "out_of_range": "out of range",
-    "no_section": "seen, but no section was fitted",
-    "no_station": "no readings here",
-}
-"""Why a reading is used or not, for people."""
 
 
 @dataclass(frozen=True)
@@ -98,7 +85,7 @@ def _picture(indices: np.ndarray) -> str:
     rows = indices.shape[1]
     # Bearing grows downwards from the invert: 6, 3, 12, 9 and 6 o'clock again.
     upright = indices.T[(np.arange(rows) - rows // 4) % rows].astype(np.uint8)
-    extra = [[int(c[k : k + 2], 16) for k in (1, 3, 5)] for c in (*REASON_COLOURS.values(), _USED)]
+    extra = [rgb(colour) for colour in (*REASON_COLOURS.values(), _USED)]
     palette = np.concatenate((scale_colours(), np.array(extra, np.uint8)))
     return "data:image/png;base64," + base64.b64encode(palette_png(upright, palette)).decode("ascii")
 

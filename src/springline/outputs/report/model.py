@@ -14,9 +14,10 @@ from ...conventions import FIT_STATUS, MASK_REASONS, clock_from_bearing
 from ..results import worst_station
 from ..summary import summary
 from ..tables import features_table
+from ..unroll import REASON_WORDS
 from .charts import Chart, make_charts
 from .drawing import Drawing, clock_text, draw_section
-from .maps import REASON_WORDS, Map, make_maps
+from .maps import Map, make_maps
 from .profiles import Axis, Profiles
 
 if TYPE_CHECKING:
@@ -161,8 +162,14 @@ def _facts(results: Results) -> tuple[tuple[str, str], ...]:
 
 
 def _headlines(results: Results) -> tuple[Headline, ...]:
-    made = (_mean_diameter(results), _ovality(results), _deflection(results), _loss(results), _seen(results))
-    return tuple(headline for headline in made if headline is not None)
+    return (
+        _mean_diameter(results),
+        _ovality(results),
+        _largest_of(results, "deflection", "Largest deflection", "Needs a nominal or base diameter."),
+        _largest_of(results, "area_loss", "Largest loss of area", "Needs a nominal or base diameter."),
+        _deepest(results),
+        _seen(results),
+    )
 
 
 def _mean_diameter(results: Results) -> Headline:
@@ -171,9 +178,17 @@ def _mean_diameter(results: Results) -> Headline:
         for name in ("diameter_mean", "diameter_sigma", "diameter_sigma_fit", "diameter_sigma_scale")
     )
     value, half = measured(mean, _95 * sigma, least=1)
-    parts = f"fit ± {measured(0, _95 * fit)[1]} mm, sensor’s scale ± {measured(0, _95 * scale)[1]} mm"
+    parts = (
+        f"fit ±\u00a0{measured(0, _95 * fit)[1]}\u00a0mm, sensor’s scale ±\u00a0{measured(0, _95 * scale)[1]}\u00a0mm"
+    )
     note = f"Of this: {parts}." if isfinite(fit) and isfinite(scale) else ""
-    interval = f"± {half} mm (95 %)" if isfinite(sigma) else "uncertainty not available" if isfinite(mean) else ""
+    interval = (
+        f"±\u00a0{half}\u00a0mm (95\u00a0%)"
+        if isfinite(sigma)
+        else "uncertainty not available"
+        if isfinite(mean)
+        else ""
+    )
     return Headline("Mean diameter (area)", value, "mm", interval, note)
 
 
@@ -183,47 +198,35 @@ def _ovality(results: Results) -> Headline:
     if at is None:
         return Headline("Largest ovality", "–", "%", note="No station has a section.")
     low, high = (results.metric(f"ovality_polar_{end}")[at] * 1e2 for end in ("low", "high"))
-    value, _ = measured(values[at], (high - low) / 2, least=2)
-    interval = f"{number(max(low, 0.0), len(value.split('.')[1]))} to {number(high, len(value.split('.')[1]))} % (95 %)"
-    return Headline(
-        "Largest ovality (polar mean)",
-        value,
-        "%",
-        interval if isfinite(low) else "",
-        chainage=float(results.chainage[at]),
-    )
+    value, _ = measured(values[at], (high - low) / 2, least=1, most=2)
+    decimals = len(value.split(".")[1])
+    interval = f"{number(max(low, 0.0), decimals)} to {number(high, decimals)} % (95 %)" if isfinite(high) else ""
+    note = "A circle lies within the interval." if low <= 0 else ""
+    return Headline("Largest ovality", value, "%", interval, note, float(results.chainage[at]))
 
 
-def _deflection(results: Results) -> Headline:
-    values = results.metric("deflection") * 1e2
+def _largest_of(results: Results, variable: str, label: str, otherwise: str) -> Headline:
+    values = results.metric(variable) * 1e2
     at = worst_station(values)
     if at is None:
-        return Headline("Largest deflection", "–", "%", note="Needs a nominal or base diameter.")
-    half = _95 * results.metric("deflection_sigma")[at] * 1e2
-    value, text = measured(values[at], half, least=2)
-    return Headline(
-        "Largest deflection",
-        value,
-        "%",
-        f"± {text} % (95 %)" if isfinite(half) else "",
-        chainage=float(results.chainage[at]),
-    )
+        return Headline(label, "–", "%", note=otherwise)
+    half = _95 * results.metric(f"{variable}_sigma")[at] * 1e2
+    value, text = measured(values[at], half, least=1, most=2)
+    interval = f"±\u00a0{text}\u00a0% (95\u00a0%)" if isfinite(half) else ""
+    note = "Zero lies within the interval." if abs(values[at]) < half else ""
+    return Headline(label, value, "%", interval, note, float(results.chainage[at]))
 
 
-def _loss(results: Results) -> Headline | None:
-    values = results.metric("area_loss") * 1e2
-    at = worst_station(values)
+def _deepest(results: Results) -> Headline:
+    label = "Deepest local dent or deposit"
+    inward = -results.station("section", "deviation_in") * 1e3
+    at = worst_station(inward)
     if at is None:
-        return None
-    half = _95 * results.metric("area_loss_sigma")[at] * 1e2
-    value, text = measured(values[at], half, least=2)
-    return Headline(
-        "Largest loss of area",
-        value,
-        "%",
-        f"± {text} % (95 %)" if isfinite(half) else "",
-        chainage=float(results.chainage[at]),
-    )
+        return Headline(label, "–", "mm", note="Not assessed.")
+    clock = float(clock_from_bearing(results.station("section", "deviation_in_bearing")[at]))
+    where = f" at {clock_text(clock)}" if isfinite(clock) else ""
+    note = f"Inward of the fitted section{where}, averaged over 10° of arc."
+    return Headline(label, number(inward[at], 1), "mm", "", note, float(results.chainage[at]))
 
 
 def _seen(results: Results) -> Headline:

@@ -68,7 +68,7 @@ class Profiles:
         low, high = float(self.start[0]), float(self.end[-1])
         if high <= low:
             low, high = low - 0.5, high + 0.5
-        self.axis = make_axis(low, high, ticks=8, tight=True)
+        self.axis = _onto_ticks(make_axis(low, high, ticks=8, tight=True))
 
     def thin(self, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Return the smallest and the largest value of each group of stations, NaN where none has one."""
@@ -88,3 +88,13 @@ class Profiles:
         """Return start and end [m] of each gap between stations."""
         at = np.flatnonzero(self.breaks())
         return [(float(self.end[k - 1]), float(self.start[k])) for k in at]
+
+
+def _onto_ticks(axis: Axis) -> Axis:
+    """Return the axis with its ends moved out to the next tick where that is near."""
+    step = axis.ticks[1] - axis.ticks[0] if len(axis.ticks) > 1 else axis.high - axis.low
+    near = 0.02 * (axis.high - axis.low)
+    low, high = floor(axis.low / step + 1e-9) * step, ceil(axis.high / step - 1e-9) * step
+    low, high = (low if axis.low - low < near else axis.low), (high if high - axis.high < near else axis.high)
+    ticks = sorted({*axis.ticks, *(round(end, 12) for end in (low, high) if end not in (axis.low, axis.high))})
+    return Axis(low, high, tuple(ticks), axis.decimals)

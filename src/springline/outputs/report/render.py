@@ -2,34 +2,17 @@
 
 from __future__ import annotations
 
-from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from ..html import environment
 from .model import make_report
 
 if TYPE_CHECKING:
-    import jinja2
-
     from ..results import Results
     from ..unroll import Unrolled
 
 _HERE = Path(__file__).parent
-
-
-@cache
-def _environment() -> jinja2.Environment:
-    import jinja2
-
-    environment = jinja2.Environment(
-        loader=jinja2.FileSystemLoader(_HERE),
-        autoescape=True,
-        undefined=jinja2.StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
-    environment.filters["pct"] = lambda share: f"{100.0 * share:.3f}%"
-    return environment
 
 
 def render_report(results: Results, wall: Unrolled, config_toml: str) -> str:
@@ -40,12 +23,10 @@ def render_report(results: Results, wall: Unrolled, config_toml: str) -> str:
         wall: Its unrolled wall.
         config_toml: The resolved settings as TOML.
     """
-    return (
-        _environment()
-        .get_template("report.html.j2")
-        .render(
-            report=make_report(results, wall, config_toml),
-            style=(_HERE / "report.css").read_text(encoding="utf-8"),
-            script=(_HERE / "report.js").read_text(encoding="utf-8"),
-        )
+    pages = environment(_HERE)
+    pages.filters["pct"] = lambda share: f"{100.0 * share:.3f}%"
+    return pages.get_template("report.html.j2").render(
+        report=make_report(results, wall, config_toml),
+        style=(_HERE / "report.css").read_text(encoding="utf-8"),
+        script=(_HERE / "report.js").read_text(encoding="utf-8"),
     )

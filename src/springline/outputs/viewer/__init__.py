@@ -1,0 +1,5 @@
+"""The viewer: the pipe in three dimensions, unrolled, charted and cut, in one file that opens from disk."""
+
+from .render import render_viewer
+
+__all__ = ["render_viewer"]

@@ -1,0 +1,150 @@
+"""The report's model and page: odd surveys still make one, and nothing written by others reaches it unescaped."""
+
+import json
+import re
+import xml.etree.ElementTree as ET
+from html.parser import HTMLParser
+
+import numpy as np
+import pytest
+
+from springline.outputs.report import render_report
+from springline.outputs.report.charts import band_path, line_path
+from springline.outputs.report.model import make_report, measured
+from springline.outputs.report.profiles import Profiles, make_axis
+from springline.outputs.results import Results
+from springline.outputs.unroll import unroll
+from springline.survey import Survey, add_warning
+
+from .finished import finished_survey
+
+HOSTILE = "\"><img src=x onerror=alert(1)> & 'Straße' ../.. </script>"
+
+
+def report_of(survey, config="[clean]\noutlier_sigma = 4.0\n"):
+    results = Results(survey)
+    wall = unroll(results)
+    return make_report(results, wall, config), render_report(results, wall, config)
+
+
+class Tags(HTMLParser):
+    """Collects tags and their attributes, and the text of the page."""
+
+    def __init__(self, page):
+        super().__init__(convert_charrefs=True)
+        self.found, self.text = [], ""
+        self.feed(page)
+
+    def handle_starttag(self, tag, attrs):
+        self.found.append((tag, dict(attrs)))
+
+    def handle_data(self, data):
+        self.text += data
+
+
+@pytest.fixture(scope="module")
+def made(survey):
+    return report_of(survey)
+
+
+def test_headlines_state_value_interval_and_place(made):
+    mean, ovality, deflection, loss, dent, coverage = made[0].headlines
+    assert (mean.value, mean.interval) == ("299.9", "±\u00a01.5\u00a0mm (95\u00a0%)")
+    assert "fit ±\u00a00.020\u00a0mm" in mean.note and "scale ±\u00a01.5\u00a0mm" in mean.note
+    assert ovality.value == "4.12" and ovality.interval == "4.08 to 4.16 % (95 %)"
+    assert deflection.value == "4.00" and deflection.chainage == pytest.approx(20.0, abs=0.02)
+    assert loss.note == "Zero lies within the interval."
+    assert dent.value == "8.2" and "at 2:00" in dent.note
+    assert "1.50 m of 29.98 m unseen" in coverage.note
+
+
+def test_numbers_carry_two_digits_of_their_uncertainty():
+    assert measured(376.6123, 1.4698) == ("376.6", "1.5")
+    assert measured(376.6123, 0.0123) == ("376.612", "0.012")
+    assert measured(376.6, float("nan")) == ("377", "–")
+
+
+def test_charts_hold_the_extremes_and_break_at_gaps(survey, made):
+    results = Results(survey)
+    profiles = Profiles(results)
+    charts = {chart.key: chart for chart in made[0].charts}
+    assert set(charts) == {"diameter", "ovality", "deflection", "loss", "coverage"}
+    largest = charts["diameter"].lines[0]
+    assert np.nanmax(largest.high) == pytest.approx(1e3 * np.nanmax(survey.metrics["diameter_max"].values))
+    assert all(chart.axis.low <= np.nanmin(line.low) for chart in charts.values() for line in chart.lines)
+    # One piece up to 12.0 m without sections, one up to the gap at 27.0 m, one after it.
+    assert charts["diameter"].paths[0].count("M") == 3 and charts["coverage"].paths[0].count("M") == 2
+    assert [(round(a, 1), round(b, 1), why) for a, b, why in made[0].gaps] == [
+        (12.0, 12.4, "no section"),
+        (27.0, 27.5, "no readings"),
+    ]
+    x = np.full(profiles.middle.size, np.nan)
+    x[7] = 3.0
+    assert re.fullmatch(r"M[\d.]+ 500h0", line_path(profiles, make_axis(2.0, 4.0), x, x))
+    assert band_path(profiles, make_axis(2.0, 4.0), x, x + np.nan) == ""
+
+
+def test_page_is_one_file_with_labelled_charts_and_tables(made):
+    report, page = made
+    tags = Tags(page)
+    charts = [a["data-chart"] for t, a in tags.found if "data-chart" in a]
+    assert charts == [c.key for c in report.charts]
+    assert sum(t == "img" and a["src"].startswith("data:image/png;base64,") for t, a in tags.found) == 3
+    assert not [a for t, a in tags.found if t in ("link", "iframe") or a.get("src", "data:")[:5] != "data:"]
+    for words in ("Largest ovality", "What was assumed", "caliper", "SHA-256", "ab" * 32, "outlier_sigma", "2:00"):
+        assert words in tags.text or words in page
+    for drawing in re.findall(r"<svg.*?</svg>", page, re.DOTALL):
+        ET.fromstring(drawing)
+    assert len(page) < 2e6
+
+
+def test_text_of_others_is_escaped_everywhere(survey):
+    features = survey.features.assign(
+        kind=("feature", np.array([HOSTILE, "dent"], object)), image=("feature", np.array([HOSTILE, ""], object))
+    )
+    groups = {name: survey.group(name) for name in survey.groups} | {"features": features}
+    attrs = survey.attrs | {"name": HOSTILE, "operator": HOSTILE, "material": HOSTILE}
+    attrs["provenance"] = json.dumps({"inputs": [{"name": HOSTILE, "bytes": 1, "sha256": "0"}], "version": HOSTILE})
+    attrs["rules"] = json.dumps([{"rule": HOSTILE, "edition": "1", "verdict": "pass", "where": HOSTILE}])
+    hostile = add_warning(Survey(groups, attrs), HOSTILE)
+    _, page = report_of(hostile, config=HOSTILE)
+    tags = Tags(page)
+    assert not [a for t, a in tags.found if a.get("src") == "x" or "onerror" in a]
+    assert page.count("</script>") == 2
+    assert tags.text.count(HOSTILE) >= 8
+
+
+@pytest.mark.parametrize(
+    "survey",
+    [
+        pytest.param(finished_survey(stations=1, bearings=36, dense=True), id="one station"),
+        pytest.param(finished_survey(stations=40, bearings=360, length=1.0, dense=True), id="1 m"),
+        pytest.param(finished_survey(stations=4000, bearings=24, length=2000.0), id="2 km, coarse"),
+        pytest.param(finished_survey(stations=60, bearings=90, nominal=None), id="no nominal diameter"),
+    ],
+)
+def test_odd_surveys_make_a_report(survey):
+    report, page = report_of(survey)
+    assert report.drawings and len(report.worst.rows) >= 1 and len(report.stretches.rows) <= 21
+    assert "nan" not in Tags(page).text.lower().split() and len(page) < 3e6
+
+
+def test_without_any_section_mask_or_features_the_report_says_so():
+    survey = finished_survey(stations=30, bearings=36, dense=True)
+    metrics = survey.metrics.map(lambda v: v if v.name == "chainage" else v * np.nan)
+    nowhere = np.full(30, np.nan)
+    section = survey.section.assign(centre_y=("station", nowhere), status=("station", np.full(30, 3, np.uint8)))
+    groups = {"rings": survey.rings, "section": section, "metrics": metrics.drop_attrs()}
+    report, page = report_of(Survey(groups, {}))
+    text = Tags(page).text
+    assert [h.value for h in report.headlines[:4]] == ["–"] * 4
+    assert "No station has a section." in text and "did not look for features" in text and "arc too short" in text
+    assert report.gaps == ((pytest.approx(0.5, abs=0.51), pytest.approx(29.5, abs=0.51), "no section"),)
+
+
+def test_axes_are_round_and_reach_round_all_values():
+    axis = make_axis(287.99, 312.01)
+    assert axis.low <= 287.99 and axis.high >= 312.01 and len(axis.ticks) <= 8
+    small = make_axis(0.0, 0.16)
+    assert [small.label(t) for t in small.ticks] == ["0.00", "0.05", "0.10", "0.15", "0.20"]
+    assert make_axis(float("nan"), float("nan")).ticks and make_axis(5.0, 5.0).ticks

@@ -1,0 +1,22 @@
+import pytest
+from tests.unit.outputs.finished import finished_survey
+
+from .browser import CHROMIUM, Browser
+
+
+@pytest.fixture(scope="session")
+def browser():
+    if CHROMIUM is None:
+        pytest.skip("needs Chromium (apt-get install chromium)")
+    browser = Browser()
+    yield browser
+    browser.close()
+
+
+@pytest.fixture(scope="session")
+def folder(tmp_path_factory):
+    from springline.outputs.write import write_outputs
+
+    folder = tmp_path_factory.mktemp("pages") / "out"
+    write_outputs(finished_survey(stations=600, bearings=180), folder, config_toml="[clean]\n")
+    return folder
