@@ -15,8 +15,9 @@ from numba import njit, prange
 from .surface import wall_at
 from .wall import JOINT, LATERAL, NOTHING, Wall
 
-_STEPS = 2000
+_STEPS = 20000
 _CLOSE = 0.003
+_LEAP = 0.01
 _TINY = 1e-13
 
 
@@ -58,17 +59,31 @@ def _gap(wall, cell, ox, oy, oz, dx, dy, dz, t):
 
 
 @njit(cache=True)
+def _speeds(wall, cell, ray):
+    """Return how fast the gap can close along a ray, how fast it does where the wall is plain, and the longest leap.
+
+    In a straight cell a ray nearly along the axis nears the wall as slowly as it goes sideways; only what varies along
+    the pipe can come towards it faster.
+    """
+    row = wall.cells[cell]
+    sideways, ahead = 1.0, 1.0
+    if row[14] == 0.0:
+        ahead = abs(ray[3] * row[3] + ray[4] * row[4] + ray[5] * row[5])
+        sideways = sqrt(max(1.0 - ahead * ahead, 1e-18))
+    return sideways * row[19] + ahead * row[25], sideways, np.inf if row[25] == 0.0 else _LEAP
+
+
+@njit(cache=True)
 def _first_root(wall, cell, ray, near, far, gap):
     """Return where the ray meets the wall between `near` (inside, gap < 0) and `far`, or inf."""
     ox, oy, oz, dx, dy, dz = ray
-    divisor = wall.cells[cell, 19]
+    fastest, plain, leap = _speeds(wall, cell, ray)
     t = near
     for _ in range(_STEPS):
-        step = -gap / divisor
-        close = -gap < _CLOSE
-        t_next = t + step if not close else t + max(-1.5 * gap, 1e-9)
-        if t_next >= far:
-            t_next = far
+        step = -gap / fastest
+        if -gap < _CLOSE:
+            step = max(min(-1.2 * gap / plain, leap), step, 1e-9)
+        t_next = min(t + step, far)
         gap_next, _, _ = _gap(wall, cell, ox, oy, oz, dx, dy, dz, t_next)
         if gap_next >= 0.0:
             return _close_in(wall, cell, ray, t, t_next, gap, gap_next)
@@ -130,11 +145,10 @@ def _tube(row, ray, t_wall, limit):
     dw = dx * row[3] + dy * row[4] + dz * row[5]
     ax, ay, az = ox - w0 * row[3], oy - w0 * row[4], oz - w0 * row[5]
     bx, by, bz = dx - dw * row[3], dy - dw * row[4], dz - dw * row[5]
-    a = bx * bx + by * by + bz * bz
+    # A ray along the tube's own axis is taken as one that meets its wall far away.
+    a = max(bx * bx + by * by + bz * bz, 1e-24)
     b = ax * bx + ay * by + az * bz
     r2 = ax * ax + ay * ay + az * az
-    if a == 0.0:
-        return np.inf
     outer = b * b - a * (r2 - row[7] * row[7])
     if outer <= 0.0:
         return np.inf

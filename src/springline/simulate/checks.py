@@ -148,11 +148,15 @@ def _inside(path: Path, chainage: float, length: float) -> None:
 
 
 def _levels(pipe: pipes.Pipe, length: float) -> None:
-    radius = 0.5 * pipe.diameter
-    for name in ("bed", "water", "lobe"):
+    """Check that water and beds stay below O, and lobes within the radius."""
+    below = 0.5 * pipe.diameter
+    for one in stretches(pipe, length):
+        ends = sections_at(pipe, one, np.linspace(one.start, one.end, 11)).pieces
+        below = min(below, *(float(Section(pieces).radius(1.5 * np.pi)) for pieces in ends))
+    for name, most in (("bed", below), ("water", below), ("lobe", 0.5 * pipe.diameter)):
         for k, one in enumerate(getattr(pipe, name)):
             path: Path = ("pipe", name, k)
-            _require(one.depth < radius, (*path, "depth"), one.depth, f"below the pipe's radius, {radius:g} m")
+            _require(one.depth < most, (*path, "depth"), one.depth, f"below the way from wall to axis, {most:g} m")
             start, end = one.start or 0.0, length if one.end is None else one.end
             _require(start < end, (*path, "start"), start, f"below its end, {end:g} m")
 

@@ -94,7 +94,7 @@ class Stretch(Part):
     invert_radius: PositiveLength | None = Field(None, description="egg")
     wall: PositiveLength | None = Field(None, description="loaf and arch: height of the straight wall")
     rise: PositiveLength | None = Field(None, description="arch: height of its crown over the walls")
-    fillet: PositiveLength | None = Field(None, description="loaf, arch and box: radius of the corners")
+    fillet: NonNegativeLength = Field(0.0, description="loaf and box: radius of the corners")
 
 
 class Harmonic(Part):

@@ -95,43 +95,47 @@ def horseshoe(width: float) -> Section:
     )
 
 
-def loaf(width: float, wall: float, fillet: float) -> Section:
-    """Return a loaf: semicircular crown, straight walls of height `wall`, filleted corners, flat floor."""
-    r, floor = 0.5 * width, -(wall + fillet)
-    return symmetric([*_foot(r, -wall, floor, fillet), (arc((0.0, 0.0), r), (r, 0.0))])
+def loaf(width: float, wall: float, fillet: float = 0.0) -> Section:
+    """Return a loaf: semicircular crown, straight walls of height `wall`, corners of radius `fillet`, flat floor."""
+    r = 0.5 * width
+    _within("a loaf's fillet", fillet, r)
+    return symmetric([*_foot(r, -wall - fillet, -wall, fillet, 0.0), (arc((0.0, 0.0), r), (r, 0.0))])
 
 
-def arch(width: float, rise: float, wall: float, fillet: float) -> Section:
-    """Return an arch: a circular crown of `rise` over straight walls, filleted corners, flat floor.
-
-    The crown springs at the height of O, where the walls begin.
-    """
-    half = 0.5 * width
+def arch(width: float, rise: float, wall: float) -> Section:
+    """Return an arch: a circular crown of `rise` over straight walls and a flat floor, O at mid-height."""
+    half, floor = 0.5 * width, -0.5 * (rise + wall)
+    _within("an arch's rise", rise, half)
     radius = (half * half + rise * rise) / (2.0 * rise)
-    floor = -(wall + fillet)
-    return symmetric([*_foot(half, -wall, floor, fillet), (arc((0.0, rise - radius), radius), (half, 0.0))])
+    springing = floor + wall
+    crown = arc((0.0, springing + rise - radius), radius)
+    return symmetric([*_foot(half, floor, floor, 0.0, springing), (crown, (half, springing))])
 
 
-def box(width: float, height: float, fillet: float) -> Section:
-    """Return a rectangle with rounded corners, O in its middle."""
+def box(width: float, height: float, fillet: float = 0.0) -> Section:
+    """Return a rectangle with corners of radius `fillet`, O in its middle."""
     half, top = 0.5 * width, 0.5 * height
-    return symmetric(
-        [
-            *_foot(half, fillet - top, -top, fillet),
-            (arc((half - fillet, top - fillet), fillet), (half, top - fillet)),
-            (line((half - fillet, top), (0.0, top)), (half - fillet, top)),
-        ]
-    )
+    _within("a box's fillet", fillet, 0.999 * min(half, top))
+    right = _foot(half, -top, fillet - top, fillet, top - fillet)
+    if fillet > 0.0:
+        right.append((arc((half - fillet, top - fillet), fillet), (half, top - fillet)))
+    return symmetric([*right, (line((half - fillet, top), (0.0, top)), (half - fillet, top))])
 
 
-def _foot(half: float, wall_end: float, floor: float, fillet: float) -> list[tuple[Curve, Point]]:
-    """Return flat floor, fillet and wall of the right half."""
+def _within(what: str, value: float, most: float) -> None:
+    if value > most:
+        raise ParameterError(f"{what} of {value:g} m", expected=f"at most {most:g} m")
+
+
+def _foot(half: float, floor: float, wall: float, fillet: float, end: float) -> list[tuple[Curve, Point]]:
+    """Return the right half of a flat floor, its corner and the wall from height `wall` to `end`."""
     inner = half - fillet
-    return [
-        (line((0.0, floor), (inner, floor)), (0.0, floor)),
-        (arc((inner, wall_end), fillet), (inner, floor)),
-        (line((half, wall_end), (half, wall_end + 1.0)), (half, wall_end)),
-    ]
+    out = [(line((0.0, floor), (inner, floor)), (0.0, floor))]
+    if fillet > 0.0:
+        out.append((arc((inner, wall), fillet), (inner, floor)))
+    if end > wall:
+        out.append((line((half, wall), (half, end)), (half, wall)))
+    return out
 
 
 def _meet(a: Point, ra: float, b: Point, rb: float) -> Point:

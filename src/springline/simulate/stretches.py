@@ -22,9 +22,9 @@ NEEDS = {
     "egg": ("width", "height", "invert_radius"),
     "horseshoe": ("width",),
     "inverted_horseshoe": ("width",),
-    "loaf": ("width", "wall", "fillet"),
-    "arch": ("width", "rise", "wall", "fillet"),
-    "box": ("width", "height", "fillet"),
+    "loaf": ("width", "wall"),
+    "arch": ("width", "rise", "wall"),
+    "box": ("width", "height"),
 }
 """Keys that each shape needs."""
 
@@ -33,7 +33,7 @@ _FIXED: dict[str, Callable[[pipes.Stretch], Section]] = {
     "horseshoe": lambda one: horseshoe(one.width),
     "inverted_horseshoe": lambda one: upside_down(horseshoe(one.width)),
     "loaf": lambda one: loaf(one.width, one.wall, one.fillet),
-    "arch": lambda one: arch(one.width, one.rise, one.wall, one.fillet),
+    "arch": lambda one: arch(one.width, one.rise, one.wall),
     "box": lambda one: box(one.width, one.height, one.fillet),
 }
 _VARYING = ("diameter", "semi_major", "semi_minor", "axis_deg", "s1", "s02", "s01")

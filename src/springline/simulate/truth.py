@@ -13,6 +13,7 @@ import xarray as xr
 from ..conventions import bearing_from_clock
 from . import equipment, pipes
 from .building import joints
+from .measures import measure
 from .stretches import SHAPES, parameters_at, stretches
 from .surface import radius_of_wall
 from .wall import BED, DENT, DEPOSIT, HIT_KINDS, JOINT, LATERAL, WATER
@@ -74,60 +75,6 @@ def _sections(world: World, s: np.ndarray, cell: np.ndarray) -> dict[str, tuple[
         for name, value in measure(radius).items():
             rows.setdefault(name, []).append(value)
     return {name: ("station", np.concatenate(value)) for name, value in rows.items()}
-
-
-def measure(radius: np.ndarray) -> dict[str, np.ndarray]:
-    """Return diameters [m], ovalities and area of sections (k, n) given as radii about O at n equal bearings from +z.
-
-    Chords through O, as `/metrics` defines them; the caliper diameter is the perimeter of the convex hull over pi,
-    which is the mean width over all directions.
-
-    >>> float(measure(np.full((1, 360), 0.15))["diameter_area"][0].round(12))
-    0.3
-    """
-    n = radius.shape[1]
-    chord = radius[:, : n // 2] + radius[:, n // 2 :]
-    theta = np.arange(n) * (2.0 * np.pi / n)
-    largest, smallest = _peak(chord), -_peak(-chord)
-    polar = 2.0 * radius.mean(axis=1)
-    area = np.pi * np.square(radius).mean(axis=1)
-    out = {
-        "diameter_max": largest,
-        "diameter_min": smallest,
-        "diameter_x": chord[:, 0],
-        "diameter_y": chord[:, n // 4],
-        "diameter_axes": 0.5 * (largest + smallest),
-        "diameter_polar": polar,
-        "diameter_area": 2.0 * np.sqrt(area / np.pi),
-        "diameter_caliper": _mean_width(radius, theta),
-        "area": area,
-    }
-    for name in ("axes", "polar", "area", "caliper"):
-        mean = out[f"diameter_{name}"]
-        out[f"ovality_{name}"] = (largest - mean) / mean
-    return out
-
-
-def _peak(chord: np.ndarray) -> np.ndarray:
-    """Return the largest chord: the top of the parabola through the largest one and its two neighbours."""
-    rows = np.arange(len(chord))
-    k = np.argmax(chord, axis=1)
-    left, top, right = (chord[rows, (k + step) % chord.shape[1]] for step in (-1, 0, 1))
-    bend = left - 2.0 * top + right
-    rise = np.where(bend < 0.0, (left - right) ** 2 / np.where(bend < 0.0, -8.0 * bend, 1.0), 0.0)
-    # At a hinge the chord has a corner, not a parabola's top; the sample itself is then the answer.
-    return top + np.where(rise <= 0.25 * np.abs(bend), rise, 0.0)
-
-
-def _mean_width(radius: np.ndarray, theta: np.ndarray) -> np.ndarray:
-    """Return the mean width over all directions (Cauchy), from the support function at 180 directions."""
-    directions = np.arange(180) * (np.pi / 180.0)
-    spread = np.cos(theta[:, None] - directions[None, :])
-    out = np.zeros(len(radius))
-    for row in spread.T:
-        reach = radius * row
-        out += _peak(reach) + _peak(-reach)
-    return out / directions.size
 
 
 def _parameters(world: World, s: np.ndarray) -> dict[str, tuple[object, np.ndarray]]:

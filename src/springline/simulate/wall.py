@@ -134,8 +134,8 @@ def build(pipe: Pipe) -> Wall:
     """Return the arrays of a pipe's wall.
 
     `cells` holds per row: origin 0-2, frame 3-11, chainage 12, length 13, curvature 14, inward y and z 15-16, groove
-    17, knot step 18, march divisor 19, end plane 20-23, joint flag 24. `knots` holds first knot and count per cell;
-    `pieces` (knot, piece, 7) the sections, padded with pieces that start at infinity.
+    17, knot step 18, bounds on closing speed 19 and 25, end plane 20-23, joint flag 24. `knots` holds first knot and
+    count per cell; `pieces` (knot, piece, 7) the sections, padded with pieces that start at infinity.
     """
     cells = pipe.centreline.cells
     counts = [len(k.sections.pieces) for k in pipe.knots]
@@ -156,7 +156,7 @@ def build(pipe: Pipe) -> Wall:
         ]
         members.extend(near)
         starts.append(len(members))
-    table = np.zeros((len(cells), 25))
+    table = np.zeros((len(cells), 26))
     for k, (cell, count) in enumerate(zip(cells, counts, strict=True)):
         table[k, :12] = [*cell.origin, *cell.frame.ravel()]
         table[k, 12:17] = [
@@ -165,7 +165,7 @@ def build(pipe: Pipe) -> Wall:
         table[k, 17:19] = cell.groove, cell.length / max(count - 1, 1)
         table[k, 20:24] = pipe.centreline.planes[k]
         table[k, 24] = cell.joint
-    table[:, 19] = _march_divisors(pipe, features, starts, members)
+    table[:, [19, 25]] = _slopes(pipe, features, starts, members)
     return Wall(
         table,
         np.column_stack([firsts, counts]).astype(np.int64),
@@ -221,39 +221,40 @@ def _features(pipe: Pipe) -> np.ndarray:
     return np.array(rows, float).reshape(-1, 9)
 
 
-def _march_divisors(pipe: Pipe, features: np.ndarray, starts: list[int], members: list[int]) -> np.ndarray:
-    """Return per cell by how much a marching step must be shortened so that no ray steps through the wall.
+def _slopes(pipe: Pipe, features: np.ndarray, starts: list[int], members: list[int]) -> np.ndarray:
+    """Return bounds (cells, 2) on how fast the gap to the wall closes: per metre sideways, and per metre ahead.
 
-    The distance to a surface r = rho(s, theta) is at least |r - rho| / sqrt(1 + slope2), slope being its steepest.
+    Sideways it is the length of the gradient of h - rho in the section's plane, ahead the wall's slope along the pipe.
     """
     theta = np.linspace(0.0, 2.0 * np.pi, 721)
     cells = pipe.centreline.cells
-    rough = pipe.roughness
-    rough_slope = 4.0 * rough.rms / min(rough.along, rough.around)
+    rough = 4.0 * pipe.roughness.rms / np.array([pipe.roughness.around, pipe.roughness.along])
     out = []
     for k, knots in enumerate(pipe.knots):
         stack = knots.sections.pieces
         radii = np.array([Section(one).radius(theta) for one in stack[:: max(1, len(stack) // 8)]])
-        slope = float(np.max(np.abs(np.gradient(radii, theta, axis=1)) / radii)) + rough_slope
+        slope = rough.copy()
+        slope[0] += float(np.max(np.abs(np.gradient(radii, theta, axis=1)) / radii))
         if len(stack) > 1:
-            # The section may change fastest between the samples: twice what the coarse ones show, and more for none.
-            slope += 2.0 * float(np.max(np.abs(np.diff(radii, axis=0)), initial=0.0)) / cells[k].length + 0.05
+            # The section may change fastest between the samples: twice what they show, and more where they show none.
+            slope[1] += 2.0 * float(np.max(np.abs(np.diff(radii, axis=0)), initial=0.0)) / cells[k].length + 0.05
         if knots.harmonics is not None and knots.harmonics.size:
             size = np.abs(knots.harmonics).sum(axis=2).max(axis=0)
-            slope += float(np.sum(size * np.array(pipe.orders)) / pipe.radius)
-        for j in members[starts[k] : starts[k + 1]]:
-            slope += _slope(features[j], pipe.radius)
-        out.append(1.02 * np.hypot(1.0, slope))
+            slope[0] += float(np.sum(size * np.array(pipe.orders)) / pipe.radius)
+        for n in members[starts[k] : starts[k + 1]]:
+            slope += _slope(features[n], pipe.radius)
+        out.append([1.02 * np.hypot(1.0, slope[0]), slope[1]])
     return np.array(out)
 
 
-def _slope(row: np.ndarray, radius: float) -> float:
+def _slope(row: np.ndarray, radius: float) -> np.ndarray:
+    """Return the steepest slope around and along of one feature."""
     form, first, last, _, _, half, depth, ramp, power = row
     if form == FLOOR:
-        return 1.5 * depth / ramp if ramp > 0.0 else 0.0
-    around = 0.5 * np.pi * max(power, 2.0) / 2.0 * depth / (half * radius)
-    reach = ramp if form == LOBE else 0.5 * (last - first)
-    return float(around + (0.5 * np.pi * depth / reach if reach > 0.0 else 0.0))
+        return np.array([0.0, 1.5 * depth / ramp if ramp > 0.0 else 0.0])
+    steep = 0.5 * np.pi * max(1.0, 0.5 * power) * depth
+    reach = 0.5 * (last - first) if form == BUMP else ramp
+    return np.array([steep / (half * (radius - depth)), steep / reach if reach > 0.0 else 0.0])
 
 
 def _laterals(pipe: Pipe) -> np.ndarray:
