@@ -199,10 +199,13 @@ class Results:
 
     @cached_property
     def circle_diameter(self) -> float:
-        """Diameter of the circle that shape is drawn against [m]: the mean diameter, else twice the median range."""
+        """Diameter of the circle that shape is drawn against [m]: the mean one; twice the median range without sections."""
         mean = self.metrics_attr("diameter_mean")
         if np.isfinite(mean):
             return mean
+        area = self.metric("diameter_area")
+        if np.isfinite(area).any():
+            return float(np.nanmedian(area))
         ranges = self.survey.rings["range"]
         rows = np.linspace(0, ranges.shape[0] - 1, min(64, ranges.shape[0])).astype(int)
         return 2.0 * float(np.nanmedian(ranges[np.unique(rows)].values))

@@ -162,13 +162,13 @@ def _scatter(
     unplaced = np.where(np.isfinite(block.range), NO_SECTION, 1)
     reason = np.where((block.reason == 0) & ~np.isfinite(about), unplaced, block.reason)
     used = reason == 0
-    # What was not used lies on no wall: it is shown where its ray meets the circle.
+    # Every reading is filed where its ray meets the circle, so that neither a missing nor a short one leaves a gap.
     cy, cz = np.nan_to_num(block.centre_y), np.nan_to_num(block.centre_z)
     uy, uz = np.sin(bearing), np.cos(bearing)
     along = cy * uy + cz * uz
     ray = along + np.sqrt(np.maximum(radius**2 - cy**2 - cz**2 + along**2, 0.0))
-    phi = np.where(used, phi, np.arctan2(ray * uy - cy, ray * uz - cz))
-    cell = group[:, None] * rows + np.rint(phi * (rows / (2 * pi))).astype(np.int64) % rows
+    filed = np.arctan2(ray * uy - cy, ray * uz - cz)
+    cell = group[:, None] * rows + np.rint(filed * (rows / (2 * pi))).astype(np.int64) % rows
     surface = about - block.fitted(phi)
     np.maximum.at(furthest, cell[used], _pack((about - radius)[used], surface[used]))
     np.bitwise_or.at(seen, cell.ravel(), np.left_shift(1, reason).astype(np.uint8).ravel())

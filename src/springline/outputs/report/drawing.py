@@ -87,7 +87,7 @@ def draw_section(results: Results, station: int, reference: float, *, exaggerate
 
 def _factor(radius: np.ndarray, circle: float) -> float:
     departure = np.abs(radius[np.isfinite(radius)] / circle - 1.0)
-    most = float(np.quantile(departure, 0.99)) if departure.size else 0.0
+    most = float(np.quantile(departure, 0.95)) if departure.size else 0.0
     return max((s for s in _STEPS if s * most <= _SHARE), default=1.0)
 
 

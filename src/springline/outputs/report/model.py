@@ -137,7 +137,7 @@ def measured(value: float, half: float, *, least: int = 0, most: int = 4) -> tup
 
 def number(value: float, decimals: int) -> str:
     """Return a number as text; a dash when it is not available."""
-    return f"{value + 0.0:.{decimals}f}" if value is not None and isfinite(value) else "–"
+    return f"{value + 0.0:.{decimals}f}".replace("-", "−") if value is not None and isfinite(value) else "–"
 
 
 def _facts(results: Results) -> tuple[tuple[str, str], ...]:
@@ -311,7 +311,8 @@ def _drawings(results: Results, worst: list[int]) -> tuple[Drawing, ...]:
         return ()
     reference = results.metrics_attr("reference_diameter")
     circle = reference if isfinite(reference) else results.circle_diameter
-    return tuple(draw_section(results, worst[0], circle, exaggerate=large) for large in (False, True))
+    plain, large = (draw_section(results, worst[0], circle, exaggerate=large) for large in (False, True))
+    return (plain, large) if large.exaggeration > 1 else (plain,)
 
 
 def _worst_table(results: Results) -> Table:

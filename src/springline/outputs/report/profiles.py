@@ -29,7 +29,7 @@ class Axis:
 
     def label(self, value: float) -> str:
         """Return the text of a tick."""
-        return f"{value + 0.0:.{self.decimals}f}"
+        return f"{value + 0.0:.{self.decimals}f}".replace("-", "−")
 
 
 def make_axis(low: float, high: float, *, ticks: int = 5, tight: bool = False) -> Axis:

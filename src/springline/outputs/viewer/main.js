@@ -31,10 +31,11 @@ function fillLegends(survey, mode) {
 }
 
 function fillSeriesLegend(series) {
-  byId("series-legend").replaceChildren(...SERIES[series].lines.map(([, label, colour]) => {
+  byId("series-legend").replaceChildren(...SERIES[series].lines.map(([, label, colour, dash]) => {
     const item = document.createElement("li");
     const line = document.createElement("i");
     line.className = "line";
+    line.style.borderTopStyle = dash ? (dash[0] > 3 ? "dashed" : "dotted") : "solid";
     line.style.borderColor = colour;
     item.append(line, label);
     return item;

@@ -53,7 +53,7 @@ class SectionView {
 
   factor(readings, circle) {
     const departures = readings.map(([r]) => Math.abs(r / circle - 1)).sort((a, b) => a - b);
-    const most = departures.length ? departures[Math.floor(0.99 * (departures.length - 1))] : 0;
+    const most = departures.length ? departures[Math.floor(0.95 * (departures.length - 1))] : 0;
     return Math.max(1, ...STEPS.filter((s) => s * most <= 0.25));
   }
 

@@ -5,7 +5,7 @@ const SERIES = {
   Diameters: {
     unit: "mm",
     factor: 1e3,
-    lines: [["diameter_max", "largest", "#d55e00"], ["diameter_min", "smallest", "#0072b2"], ["diameter_x", "X", "#009e73"], ["diameter_y", "Y", "#b0599a"]],
+    lines: [["diameter_max", "largest", "#d55e00"], ["diameter_min", "smallest", "#0072b2"], ["diameter_x", "X", "#009e73", [7, 3]], ["diameter_y", "Y", "#b0599a", [2, 3]]],
     reference: true,
   },
   Ovality: { unit: "%", factor: 100, lines: [["ovality_polar", "polar mean, with 95 %", INK]], band: (s, g) => [s.ovality_polar_low[g], s.ovality_polar_high[g]], zero: true },
@@ -178,7 +178,7 @@ class Strips {
       context.fillText(label, GUTTER - 6, y(value));
     }
     this.drawBand(context, thinned, y, box);
-    for (const line of thinned.lines) this.drawLine(context, line, y, box);
+    for (const line of thinned.lines.reverse()) this.drawLine(context, line, y, box);
     context.strokeStyle = "#8b95a1";
     context.strokeRect(box.left, box.top, box.width, box.height);
     this.drawChainage(context, width, box);
@@ -191,7 +191,7 @@ class Strips {
     const { survey } = this;
     const kind = SERIES[this.series];
     const [from, to] = this.window;
-    const lines = kind.lines.map(([name, label, colour]) => ({ name, label, colour, low: new Float64Array(columns).fill(NaN), high: new Float64Array(columns).fill(NaN) }));
+    const lines = kind.lines.map(([name, label, colour, dash]) => ({ name, label, colour, dash, low: new Float64Array(columns).fill(NaN), high: new Float64Array(columns).fill(NaN) }));
     const band = kind.band ? { low: new Float64Array(columns).fill(NaN), high: new Float64Array(columns).fill(NaN) } : null;
     const range = [Infinity, -Infinity];
     const put = (target, c, low, high) => {
