@@ -98,6 +98,14 @@ def test_provenance_name_and_sensor(tmp_path):
     assert len(json.loads(again.attrs["provenance"])["inputs"]) == 2
 
 
+@pytest.mark.parametrize("make", [make_cloud, make_rings])
+def test_a_store_is_held_against_the_nominal_diameter(make, tmp_path):
+    sl.write(make(), tmp_path / "a.zarr")
+    assert sl.read(tmp_path / "a.zarr", nominal_diameter=0.31).attrs["nominal_diameter"] == 0.31
+    with pytest.raises(InputError, match="far from the nominal"):
+        sl.read(tmp_path / "a.zarr", nominal_diameter=3.0)
+
+
 def test_ring_tables_that_follow_one_another_are_joined(tmp_path):
     (tmp_path / "b.csv").write_text(WIDE.format(a=2, b=3))
     (tmp_path / "a.csv").write_text(WIDE.format(a=0, b=1))

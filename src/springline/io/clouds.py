@@ -22,6 +22,7 @@ if TYPE_CHECKING:
 _SAMPLE = 20_000
 _SLABS = 24
 _NEAR = 3.0
+_FARTHEST = 1e10
 _PLAUSIBLE = (0.02, 15.0)
 # Within which factor of the nominal a unit is believed. Nearly every program writes metres or millimetres; the others
 # must fit well, and centimetres must be stated, or a nominal ten times too large would turn millimetres into them.
@@ -55,6 +56,12 @@ class RawCloud:
     notes: tuple[str, ...] = ()
 
 
+def to_float(values: np.ndarray) -> np.ndarray:
+    """Return values as float64; a damaged NaN passes without numpy's warning."""
+    with np.errstate(invalid="ignore"):
+        return np.asarray(values, np.float64)
+
+
 def cloud_survey(raw: RawCloud, path: Path, options: ReadOptions) -> Survey:
     """Return a survey with `/points` [m] in x forward, y up, z right, and what was assumed on the way.
 
@@ -68,6 +75,11 @@ def cloud_survey(raw: RawCloud, path: Path, options: ReadOptions) -> Survey:
     keep, dropped = _returns(raw.xyz)
     if not keep.any():
         raise InputError("no point has coordinates", where=path, expected="at least one point")
+    farthest = float(np.abs(raw.xyz[keep]).max())
+    if farthest > _FARTHEST:
+        raise InputError(
+            f"a coordinate is {farthest:g}", where=path, expected=f"up to {_FARTHEST:g}", mend="the file may be damaged"
+        )
     if dropped:
         notes.append(f"{path.name}: {dropped} points without coordinates or at (0, 0, 0) were left out as no return.")
     xyz = raw.xyz if keep.all() else raw.xyz[keep]
@@ -101,14 +113,12 @@ def _unit(
     raw: RawCloud, xyz: tuple[np.ndarray, np.ndarray, np.ndarray], path: Path, options: ReadOptions
 ) -> tuple[str, str | None]:
     """Return the unit and the sentence that states an assumed one."""
-    sizes = _cross_sizes(*xyz)
     nominal = options.nominal_diameter
     stated = options.unit or raw.unit
     if stated:
-        if nominal and not any(1 / _NEAR <= size * METRES[stated] / nominal <= _NEAR for size in sizes):
-            raise _off_nominal(min(sizes), stated, nominal, path)
+        check_nominal(*xyz, nominal, path, unit=stated)
         return stated, None
-    size = min(sizes)
+    size = min(_cross_sizes(*xyz))
     if nominal:
         off = {unit: abs(log(max(size, 1e-300) * METRES[unit] / nominal)) for unit in _BELIEVED}
         fitting = [unit for unit, most in _BELIEVED.items() if off[unit] <= log(most)]
@@ -130,6 +140,29 @@ def _unit(
         f"{path.name}: the file states no unit; taken as metres, so the points lie about {size:.3g} m across "
         "(--unit overrules)."
     )
+
+
+def check_nominal(
+    x: np.ndarray, y: np.ndarray, z: np.ndarray, nominal: float | None, path: Path, *, unit: str = "m"
+) -> None:
+    """Refuse points whose rough width is not within a factor of three of the nominal diameter.
+
+    Args:
+        x: Forward, in `unit`.
+        y: Up, in `unit`.
+        z: To the right, in `unit`.
+        nominal: Nominal diameter [m]; nothing is checked without one.
+        path: The file, for messages.
+        unit: Unit of the coordinates.
+
+    Raises:
+        InputError: The two are further apart; the unit or the nominal is wrong.
+    """
+    if nominal is None:
+        return
+    sizes = _cross_sizes(x, y, z)
+    if not any(1 / _NEAR <= size * METRES[unit] / nominal <= _NEAR for size in sizes):
+        raise _off_nominal(min(sizes), unit, nominal, path)
 
 
 def _off_nominal(size: float, unit: str, nominal: float, path: Path) -> InputError:

@@ -8,7 +8,7 @@ import numpy as np
 
 from ..errors import FormatError
 from .axes import CAMERA
-from .clouds import RawCloud, cloud_survey
+from .clouds import RawCloud, cloud_survey, to_float
 from .tables import parse_numbers
 
 if TYPE_CHECKING:
@@ -16,6 +16,8 @@ if TYPE_CHECKING:
 
     from ..survey import Survey
     from .options import ReadOptions
+
+_TRIANGLE = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
 
 
 def read_mesh(path: Path, options: ReadOptions) -> Survey:
@@ -33,36 +35,40 @@ def read_mesh(path: Path, options: ReadOptions) -> Survey:
 
 
 def _obj(path: Path) -> np.ndarray:
-    lines = path.read_bytes().splitlines()
-    rows = [i for i, line in enumerate(lines) if line[:2] in (b"v ", b"v\t")]
-    if not rows:
-        raise FormatError("there is no vertex in it", where=path, expected="lines of 'v x y z'")
-    width = len(lines[rows[0]].split()) - 1
-    if width < 3:
-        raise FormatError("a vertex has fewer than 3 coordinates", where=f"{path}, row {rows[0] + 1}")
-    # Other lines are emptied, not dropped, so that a fault is named by its row.
-    kept = dict.fromkeys(rows)
-    block = b"\n".join(line[2:] if i in kept else b"" for i, line in enumerate(lines)) + b"\n"
-    names = ("x", "y", "z", "4", "5", "6", "7")[:width]
-    return parse_numbers(block, delimiter=" ", names=names, where=path, first_row=1).values[:, :3]
+    return _tagged_lines(path, b"v")
 
 
 def _stl(path: Path, head: bytes) -> np.ndarray:
-    import trimesh
-
+    """Return the corners of all triangles, each once."""
     size = path.stat().st_size
     promised = int.from_bytes(head[80:84].ljust(4, b"\0"), "little")
-    text = head.lstrip().startswith(b"solid") and size != 84 + 50 * promised
-    if not text and size < 84 + 50 * promised:
+    if head.lstrip().startswith(b"solid") and size != 84 + 50 * promised:
+        with path.open("rb") as stream:
+            stream.seek(max(0, size - 256))
+            if b"endsolid" not in stream.read():
+                raise FormatError("the file is cut short: 'endsolid' is not there", where=path, mend="export it again")
+        return np.unique(_tagged_lines(path, b"vertex"), axis=0)
+    if size < 84 + 50 * promised or promised == 0:
         raise FormatError(
             f"the file is cut short: {max(0, size - 84) // 50} of {promised} triangles are there",
             where=path,
             mend="copy or export it again",
         )
-    if text and b"endsolid" not in path.read_bytes()[-256:]:
-        raise FormatError("the file is cut short: 'endsolid' is not there", where=path, mend="copy or export it again")
-    try:
-        mesh = trimesh.load_mesh(path, file_type="stl")
-    except (ValueError, IndexError, KeyError) as error:
-        raise FormatError(f"not an STL mesh: {error}", where=path) from None
-    return np.asarray(mesh.vertices, np.float64)
+    corners = np.fromfile(path, _TRIANGLE, promised, offset=84)["corners"].reshape(-1, 3)
+    return np.unique(to_float(corners), axis=0)
+
+
+def _tagged_lines(path: Path, tag: bytes) -> np.ndarray:
+    """Return x, y, z of the lines that begin with a tag."""
+    lines = [line.strip() for line in path.read_bytes().split(b"\n")]
+    rows = [i for i, line in enumerate(lines) if line.split(maxsplit=1)[:1] == [tag]]
+    if not rows:
+        raise FormatError("there is no vertex in it", where=path, expected=f"lines of '{tag.decode()} x y z'")
+    width = len(lines[rows[0]].split()) - 1
+    if width < 3:
+        raise FormatError("a vertex has fewer than 3 coordinates", where=f"{path}, row {rows[0] + 1}")
+    # Other lines are emptied, not dropped, so that a fault is named by its row.
+    kept = set(rows)
+    block = b"\n".join(line[len(tag) :] if i in kept else b"" for i, line in enumerate(lines)) + b"\n"
+    names = ["x", "y", "z", *(str(k) for k in range(4, width + 1))]
+    return parse_numbers(block, delimiter=" ", names=names, where=path, first_row=1).values[:, :3]

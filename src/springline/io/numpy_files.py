@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import tokenize
 import zipfile
+import zlib
 from math import pi
 from typing import TYPE_CHECKING
 
@@ -23,6 +25,8 @@ if TYPE_CHECKING:
 
 _CLOUDS = ("points", "xyz", "cloud")
 _WIDEST = 8
+_DAMAGE = (ValueError, OSError, EOFError, KeyError, SyntaxError, tokenize.TokenError, zipfile.BadZipFile, zlib.error)
+"""What numpy raises on damaged files."""
 
 
 def read_numpy(path: Path, options: ReadOptions, statements: Statements | None = None) -> Survey:
@@ -40,7 +44,7 @@ def read_numpy(path: Path, options: ReadOptions, statements: Statements | None =
     try:
         loaded = np.load(path, allow_pickle=False)
         arrays = {"points": loaded} if isinstance(loaded, np.ndarray) else {name: loaded[name] for name in loaded.files}
-    except (ValueError, OSError, EOFError, zipfile.BadZipFile, KeyError) as error:
+    except _DAMAGE as error:
         raise FormatError(f"cut short or damaged: {error}", where=path, mend="copy or save it again") from None
     by_quantity = {parse_column(name).quantity: name for name in arrays}
     if "distance" in by_quantity and {"range", "ranges"} & set(by_quantity):

@@ -8,7 +8,7 @@ import numpy as np
 
 from ..errors import FormatError
 from .axes import CAMERA
-from .clouds import RawCloud, cloud_survey
+from .clouds import RawCloud, cloud_survey, to_float
 from .tables import parse_numbers
 
 if TYPE_CHECKING:
@@ -41,7 +41,7 @@ def read_pcd(path: Path, options: ReadOptions) -> Survey:
     missing = [axis for axis in "xyz" if axis not in fields]
     if missing:
         raise FormatError(f"the points have no field {missing[0]}", where=path, expected="x, y and z")
-    xyz = np.column_stack([np.asarray(fields[axis], np.float64) for axis in "xyz"])
+    xyz = np.column_stack([to_float(fields[axis]) for axis in "xyz"])
     return cloud_survey(RawCloud(xyz, axes=CAMERA, intensity=fields.get("intensity")), path, options)
 
 
@@ -77,11 +77,10 @@ def _layout(header: dict[str, list[str]], path: Path) -> tuple[np.dtype, int]:
 
 
 def _ascii(data: bytes, start: int, lines: int, kind: np.dtype, count: int, path: Path) -> dict[str, np.ndarray]:
-    names = [
-        f"{name}_{i}" if kind[name].shape else name
-        for name in kind.names or ()
-        for i in range(kind[name].shape[0] if kind[name].shape else 1)
-    ]
+    names: list[str] = []
+    for name in kind.names or ():
+        shape = kind[name].shape
+        names += [f"{name}_{k}" for k in range(shape[0])] if shape else [name]
     values = parse_numbers(
         data[start:].rstrip() + b"\n", delimiter=" ", names=names, where=path, first_row=lines + 1
     ).values

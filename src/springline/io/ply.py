@@ -11,7 +11,7 @@ import numpy as np
 from ..errors import FormatError
 from .axes import CAMERA
 from .cloud_export import points_of
-from .clouds import RawCloud, cloud_survey
+from .clouds import RawCloud, cloud_survey, to_float
 from .tables import parse_numbers
 
 if TYPE_CHECKING:
@@ -65,7 +65,7 @@ def read_ply(path: Path, options: ReadOptions) -> Survey:
     axes = next((c.removeprefix(_STATEMENT) for c in header.comments if c.startswith(_STATEMENT)), None)
     intensity = next((vertices[names[n]] for n in _INTENSITY if n in names), None)
     raw = RawCloud(
-        np.column_stack([np.asarray(vertices[names[axis]], np.float64) for axis in "xyz"]),
+        np.column_stack([to_float(vertices[names[axis]]) for axis in "xyz"]),
         axes=axes or CAMERA,
         axes_stated=axes is not None,
         unit="m" if axes else None,

@@ -14,7 +14,7 @@ from .rings import Statements, ring_survey
 from .tables import Rows
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterator, Mapping
     from pathlib import Path
 
     from ..survey import Survey
@@ -63,19 +63,25 @@ def read_ring_parquet(path: Path, options: ReadOptions, statements: Statements |
     try:
         with parquet.ParquetFile(path) as file:
             schema = file.schema_arrow
-            for field in schema:
-                if not (
-                    pa.types.is_integer(field.type) or pa.types.is_floating(field.type) or pa.types.is_null(field.type)
-                ):
-                    raise InputError(
-                        f"the column holds {field.type}", where=f"{path}, column {field.name}", expected="numbers"
-                    )
-            written = json.loads((schema.metadata or {}).get(_KEY, b"{}"))
-            return ring_survey(
-                _ParquetTable(path, tuple(schema.names), file), options, statements or Statements(**written)
-            )
-    except (pa.ArrowException, OSError) as error:
+            _check_columns(schema, path)
+            table = _ParquetTable(path, tuple(schema.names), file)
+            return ring_survey(table, options, statements or _statements(schema.metadata))
+    except (pa.ArrowException, OSError, UnicodeDecodeError) as error:
         raise FormatError(f"cut short or damaged: {error}", where=path, mend="copy or export it again") from None
+
+
+def _check_columns(schema: Any, path: Path) -> None:
+    import pyarrow as pa
+
+    for field in schema:
+        if not (pa.types.is_integer(field.type) or pa.types.is_floating(field.type) or pa.types.is_null(field.type)):
+            raise InputError(f"the column holds {field.type}", where=f"{path}, column {field.name}", expected="numbers")
+
+
+def _statements(metadata: Mapping[bytes, bytes] | None) -> Statements:
+    """Return what `write_ring_parquet` stated, and nothing for files of others."""
+    text = (metadata or {}).get(_KEY)
+    return Statements(**json.loads(text)) if text else Statements()
 
 
 def write_ring_parquet(survey: Survey, path: Path) -> None:
