@@ -199,7 +199,7 @@ class Results:
 
     @cached_property
     def circle_diameter(self) -> float:
-        """Diameter of the circle that shape is drawn against [m]: the mean one; twice the median range without sections."""
+        """Diameter of the circle that shape is drawn against [m]: the mean one, or twice the median range."""
         mean = self.metrics_attr("diameter_mean")
         if np.isfinite(mean):
             return mean

@@ -10,8 +10,9 @@ import pytest
 
 from springline.outputs.report import render_report
 from springline.outputs.report.charts import band_path, line_path
-from springline.outputs.report.model import make_report, measured
+from springline.outputs.report.model import make_report
 from springline.outputs.report.profiles import Profiles, make_axis
+from springline.outputs.report.texts import measured
 from springline.outputs.results import Results
 from springline.outputs.unroll import unroll
 from springline.survey import Survey, add_warning

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from .profiles import Axis, Profiles, make_axis
+from .texts import SIGMAS_95
 
 if TYPE_CHECKING:
     from ..results import Results
@@ -19,7 +20,6 @@ _BOX = 1000.0
 
 # Okabe and Ito's colours, told apart by colour-blind readers; dashes tell them apart in grey.
 _INK, _BLUE, _ORANGE, _GREEN, _PURPLE = "#1d2733", "#0072b2", "#d55e00", "#009e73", "#b0599a"
-_95 = 1.959964
 
 
 @dataclass(frozen=True)
@@ -201,7 +201,7 @@ def _deflections(results: Results, profiles: Profiles) -> Chart | None:
     value, sigma = results.metric("deflection"), results.metric("deflection_sigma")
     bands: tuple[Band, ...] = ()
     if np.isfinite(sigma).any():
-        low, high = ((value + side * _95 * sigma) * 1e2 for side in (-1, 1))
+        low, high = ((value + side * SIGMAS_95 * sigma) * 1e2 for side in (-1, 1))
         bands = (Band("95 % interval", _INK, profiles.thin(low)[0], profiles.thin(high)[1]),)
     edges = [edge for part in (*lines, *bands) for edge in (part.low, part.high)]
     kind = results.survey.metrics.attrs.get("reference_kind", "reference")

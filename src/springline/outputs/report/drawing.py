@@ -10,6 +10,7 @@ import numpy as np
 from ...conventions import MASK_REASONS, clock_from_bearing
 from ..colours import REASON_COLOURS
 from ..unroll import REASON_WORDS
+from .texts import clock_text
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -116,13 +117,3 @@ def _chords(results: Results, station: int, place: Callable[..., tuple[Any, Any]
         clock = clock_text(float(clock_from_bearing(bearing)))
         chords.append(Chord(f"{word} {value * 1e3:.1f} mm at {clock}", colour, *ends))
     return tuple(chords)
-
-
-def clock_text(hours: float) -> str:
-    """Return a clock position as hours and minutes.
-
-    >>> clock_text(2.0517), clock_text(12.0)
-    ('2:03', '12:00')
-    """
-    minutes = round(hours * 60) % 720
-    return f"{minutes // 60 or 12}:{minutes % 60:02d}"
