@@ -20,7 +20,6 @@ from springline.geometry.fitting._judge import (
     SHORT_ARC,
     TOO_FEW,
     collapsed,
-    scattered,
     spans,
 )
 from springline.geometry.fitting._linalg import FAST, factorise, invert
@@ -115,7 +114,7 @@ def _solve(p, method, moments, mean_z, mean_y, scale, small, par):
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def _fit_one(p, method, n, z, y, w, least_arc, rows, moments, small, par, cov, out):
+def _fit_one(p, method, n, z, y, w, least_arc, most_scatter, rows, moments, small, par, cov, out):
     """Fit one gathered ring in place; return its status. `out` receives residual rms and noise."""
     if n < p:
         return TOO_FEW
@@ -149,7 +148,7 @@ def _fit_one(p, method, n, z, y, w, least_arc, rows, moments, small, par, cov, o
         cov[:] = inverse[:p, :p]
     weighted, plain = _squares(distance, w, n)
     variance = weighted / (n - p) if n > p else np.nan
-    if n > p and scattered(par, sqrt(variance), variance * cov[2, 2]):
+    if variance > (most_scatter * par[2]) ** 2:
         return SCATTERED
     out[0] = scale * sqrt(plain / n)
     out[1] = scale * sqrt(variance)
@@ -163,7 +162,7 @@ def _fit_one(p, method, n, z, y, w, least_arc, rows, moments, small, par, cov, o
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def fit_rings(p, method, least_arc, z, y, weight, weighted, keep, par, cov, out, used, status, omega):
+def fit_rings(p, method, least_arc, most_scatter, z, y, weight, weighted, keep, par, cov, out, used, status, omega):
     """Fit the circle (p = 3) or ellipse (p = 5) of every row of `z` and `y`; fill what `_batch.run` returns."""
     rings, points = z.shape
     gathered = np.empty((3, points))
@@ -175,7 +174,7 @@ def fit_rings(p, method, least_arc, z, y, weight, weighted, keep, par, cov, out,
         a, b, c = gathered[0], gathered[1], gathered[2]
         n = gather(z[k], y[k], weight[k if weighted else 0], weighted, a, b, c, index)
         used[k] = n
-        code = _fit_one(p, method, n, a, b, c, least_arc, rows, moments, small, par[k], cov[k], out[k])
+        code = _fit_one(p, method, n, a, b, c, least_arc, most_scatter, rows, moments, small, par[k], cov[k], out[k])
         status[k] = code
         if code != FITTED:
             par[k] = np.nan

@@ -118,13 +118,15 @@ def fit(size: int, source: tuple, options: Resolved) -> dict[str, NDArray | str 
     """Fit circles (`size` 3) or ellipses (5) to the readings of `source`; return the fields of the results."""
     from springline.geometry.fitting import _algebraic, _geometric
 
+    limits = options.least_arc, options.most_scatter
+
     def geometric(*arrays):
-        _geometric.fit_rings(size, options.robust, options.noise, options.least_arc, *arrays)
+        _geometric.fit_rings(size, options.robust, options.noise, *limits, *arrays)
 
     def algebraic(z, y, weight, weighted, *rest):
         if options.robust:
             weight, weighted = _inliers(geometric, size, z, y, weight, weighted), True
-        _algebraic.fit_rings(size, options.method_number, options.least_arc, z, y, weight, weighted, *rest)
+        _algebraic.fit_rings(size, options.method_number, *limits, z, y, weight, weighted, *rest)
 
     kernel = geometric if options.method == "geometric" else algebraic
     return run(kernel, source, size, options)

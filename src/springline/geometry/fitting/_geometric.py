@@ -18,11 +18,10 @@ from springline.geometry.fitting._judge import (
     SHORT_ARC,
     TOO_FEW,
     collapsed,
-    scattered,
     spans,
 )
 from springline.geometry.fitting._linalg import FAST, factorise, invert, substitute
-from springline.geometry.fitting._moments import add_moments
+from springline.geometry.fitting._moments import TAUBIN, add_moments, circle_from_moments
 from springline.geometry.fitting._readings import ANGLE_BINS, gather, normalise, order_by_angle
 from springline.geometry.fitting._refine import SCORE, SLOPE, SUMS, USED, WEIGHT, gram, refine
 from springline.geometry.fitting._start import SECTORS, algebraic_start, robust_start
@@ -76,7 +75,27 @@ def _residual_rms(distance, omega, n):
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def _fit_one(p, n, z, y, w, index, robust, noise, least_arc, rows, keys, counts, sectors, small, sums, par, cov, out):
+def _fit_one(
+    p,
+    n,
+    z,
+    y,
+    w,
+    index,
+    robust,
+    noise,
+    least_arc,
+    most_scatter,
+    rows,
+    keys,
+    counts,
+    sectors,
+    small,
+    sums,
+    par,
+    cov,
+    out,
+):
     """Fit one gathered ring in place; return its status. `out` receives residual rms and noise."""
     if n < p:
         return TOO_FEW
@@ -98,10 +117,15 @@ def _fit_one(p, n, z, y, w, index, robust, noise, least_arc, rows, keys, counts,
     tolerance = ROBUST_TOLERANCE if robust else PLAIN_TOLERANCE
     converged, sigma = refine(p, z, y, w, n, par, robust, tolerance, rows, sums, small)
     distance, omega, product, jacobian = rows[0], rows[1], rows[3], rows[5:10]
-    if collapsed(p, par):
-        return NOT_AN_ELLIPSE
+    oval = collapsed(p, par)
+    if oval or not converged:
+        # an arc too short may be why, which a circle still tells
+        add_moments(z, y, w, 0, n, sectors[0])
+        circle_from_moments(sectors[0], TAUBIN, par)
     if not spans(least_arc, z, y, omega, n, par, rows[2, :ARC_BINS], rows[3, :ARC_BINS]):
         return SHORT_ARC
+    if oval:
+        return NOT_AN_ELLIPSE
     normal, low, inverse, vector = small[0], small[1], small[2], small[3, 0]
     gram(p, n, jacobian, distance, omega, product, normal, vector)
     if not converged or not factorise(normal, p, low):
@@ -114,7 +138,7 @@ def _fit_one(p, n, z, y, w, index, robust, noise, least_arc, rows, keys, counts,
         variance = sigma * sigma
         if robust:
             variance *= sums[SCORE] * sums[WEIGHT] / sums[SLOPE] ** 2 * sums[USED] / freedom
-        if scattered(par, sigma, variance * inverse[2, 2]) or 2.0 * sums[USED] < n:
+        if sigma > most_scatter * par[2] or 2.0 * sums[USED] < n:
             return SCATTERED
         if noise != ORTHOGONAL:
             bias = rows[2]
@@ -136,7 +160,9 @@ def _fit_one(p, n, z, y, w, index, robust, noise, least_arc, rows, keys, counts,
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def fit_rings(p, robust, noise, least_arc, z, y, weight, weighted, keep, par, cov, out, used, status, omega):
+def fit_rings(
+    p, robust, noise, least_arc, most_scatter, z, y, weight, weighted, keep, par, cov, out, used, status, omega
+):
     """Fit the circle (p = 3) or ellipse (p = 5) of every row of `z` and `y`; fill what `_batch.run` returns."""
     rings, points = z.shape
     gathered = np.empty((3, points))
@@ -152,7 +178,7 @@ def fit_rings(p, robust, noise, least_arc, z, y, weight, weighted, keep, par, co
         n = gather(z[k], y[k], weight[k if weighted else 0], weighted, a, b, c, index)
         # fmt: off
         code = _fit_one(
-            p, n, a, b, c, index, robust, noise, least_arc,
+            p, n, a, b, c, index, robust, noise, least_arc, most_scatter,
             rows, keys, counts, sectors, small, sums, par[k], cov[k], out[k],
         )
         # fmt: on

@@ -14,9 +14,6 @@ FITTED, TOO_FEW, COLLINEAR, SHORT_ARC, NO_CONVERGENCE, NOT_AN_ELLIPSE, SCATTERED
 FLATTEST = 1e-9
 """Spread of the readings across their line over that along it, below which they are collinear."""
 
-MOST_SCATTER = 0.25
-"""Noise, or one-sigma of the mean radius, over the mean radius, beyond which there is no section to speak of."""
-
 MOST_OVAL = 0.99
 """(a - b)/(a + b) beyond which an ellipse has collapsed to a line."""
 
@@ -93,13 +90,6 @@ def _bearing(turn):
     quarter = int(turn)
     part = turn - quarter
     return 0.5 * pi * quarter + atan2(part, 1.0 - part)
-
-
-@njit(cache=True, nogil=True, error_model="numpy")
-def scattered(par, sigma, mean_radius_variance):
-    """Return whether the noise or the uncertainty is so large that the linear theory of the covariance cannot hold."""
-    most = MOST_SCATTER * par[2]
-    return sigma > most or mean_radius_variance > most * most
 
 
 @njit(cache=True, nogil=True, error_model="numpy")

@@ -22,12 +22,13 @@ def fit_circles(z: ArrayLike, y: ArrayLike, **options: Unpack[FitOptions]) -> Ci
     Args:
         z: To the right, (ring, point) [m], float32 or float64; NaN = no return.
         y: Up, same shape [m].
-        **options: See `FitOptions`. `method` is "geometric": the sum of squared orthogonal distances.
+        **options: See `FitOptions`. `method` is "geometric" (least squared orthogonal distances), or an algebraic
+            fit: "kasa" (2.12), "svd" (2.10, unit norm: depends on origin and unit, erratum A17), "pratt", "taubin".
 
     Raises:
         ParameterError: A shape, an option or a name does not fit.
 
-    Source: section 2.9.1.
+    Source: section 2.9.1 with errata A10 and A17; Pratt and Taubin after Chernov, Circular and Linear Regression (2010).
 
     >>> import numpy as np
     >>> bearings = np.radians(np.arange(0, 360, 10))

@@ -22,12 +22,14 @@ def fit_ellipses(z: ArrayLike, y: ArrayLike, **options: Unpack[FitOptions]) -> E
     Args:
         z: To the right, (ring, point) [m], float32 or float64; NaN = no return.
         y: Up, same shape [m].
-        **options: See `FitOptions`. `method` is "geometric": the sum of squared orthogonal distances.
+        **options: See `FitOptions`. `method` is "geometric" (least squared orthogonal distances), or an algebraic
+            fit: "bookstein" (a^2 + b^2/2 + c^2 = 1), "fitzgibbon" (4 a c - b^2 = 1, the only one that cannot end in a
+            hyperbola) or "gander" (a + c = 1).
 
     Raises:
         ParameterError: A shape, an option or a name does not fit.
 
-    Source: section 2.9.1.
+    Source: section 2.9.1; Fitzgibbon's fit in the stable form of Halir and Flusser (1998).
 
     >>> import numpy as np
     >>> bearings = np.radians(np.arange(0, 360, 10))

@@ -29,6 +29,10 @@ NOISE_MODELS = {"orthogonal": 0, "isotropic": 1, "range": 2}
 """Models of the readings' errors by name, as the kernels number them."""
 
 
+MOST_SCATTER = 0.25
+"""Noise over the mean radius beyond which there is no wall to speak of."""
+
+
 class FitOptions(TypedDict, total=False):
     """Keywords of the fits.
 
@@ -43,6 +47,7 @@ class FitOptions(TypedDict, total=False):
             clouds; distances then have the mean sigma^2/(2 R), which is removed. "orthogonal": distances count as
             they are, the classical orthogonal-distance fit (default for a single set of points).
         least_arc: Readings that span less about the centre are refused [rad]; 30 degrees unless given.
+        most_scatter: A fit whose noise is more than this share of the mean radius is refused; 0.25 unless given.
         keep_weights: Whether the robust weights come back, (ring, point) float32.
         workers: Threads; as many as there are cores unless given. The result does not depend on it.
     """
@@ -52,6 +57,7 @@ class FitOptions(TypedDict, total=False):
     robust: bool
     noise: str
     least_arc: float
+    most_scatter: float
     keep_weights: bool
     workers: int | None
 
@@ -66,6 +72,7 @@ class Resolved:
     robust: bool
     noise: int
     least_arc: float
+    most_scatter: float
     keep_weights: bool
     workers: int | None
 
@@ -89,6 +96,9 @@ def resolve(options: FitOptions, methods: dict[str, int], noise: str = "range") 
     least_arc = float(options.get("least_arc", SHORTEST_ARC))
     if not 0.0 <= least_arc < 2.0 * pi:
         raise ParameterError(f"least_arc is {least_arc}", expected="an angle in radians, from 0 to 2 pi")
+    most_scatter = float(options.get("most_scatter", MOST_SCATTER))
+    if not most_scatter > 0.0:
+        raise ParameterError(f"most_scatter is {most_scatter}", expected="a positive share of the mean radius")
     workers = options.get("workers")
     if workers is not None and workers < 1:
         raise ParameterError(f"workers is {workers}", expected="one or more threads, or None for all cores")
@@ -99,6 +109,7 @@ def resolve(options: FitOptions, methods: dict[str, int], noise: str = "range") 
         robust=bool(options.get("robust", methods[method] == GEOMETRIC)),
         noise=NOISE_MODELS[noise],
         least_arc=least_arc,
+        most_scatter=most_scatter,
         keep_weights=bool(options.get("keep_weights", False)),
         workers=workers,
     )
