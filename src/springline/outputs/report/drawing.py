@@ -71,7 +71,8 @@ def draw_section(results: Results, station: int, reference: float, *, exaggerate
     unused = []
     for flag, name in MASK_REASONS.items():
         at = (block.reason[0] == flag) & np.isfinite(radius)
-        if flag and at.any():
+        # Far from the wall they would be thrown about by the exaggeration.
+        if flag and at.any() and factor == 1.0:
             unused.append((REASON_WORDS[name], REASON_COLOURS[name], _dots(*place(radius[at], bearing[at]))))
     chainage = results.chainage[station]
     return Drawing(

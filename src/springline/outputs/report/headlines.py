@@ -45,7 +45,7 @@ def _mean_diameter(results: Results) -> Headline:
         for name in ("diameter_mean", "diameter_sigma", "diameter_sigma_fit", "diameter_sigma_scale")
     )
     if not isfinite(mean):
-        return Headline("Mean diameter (area)", "–", "mm", note="No station has a section.")
+        return Headline("Mean diameter (area)", "–", "mm", note="Not available.")
     value, half = measured(mean, SIGMAS_95 * sigma, least=1)
     halves = [measured(0, SIGMAS_95 * part)[1] for part in (fit, scale)]
     parts = f"fit ±\u00a0{halves[0]}\u00a0mm, sensor’s scale ±\u00a0{halves[1]}\u00a0mm"
