@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from springline.errors import ParameterError
-from springline.geometry.robot._checks import finite, positive, require
+from springline.geometry.checks import finite, positive, require
 from springline.geometry.robot.attitude import yaw_after_pitch
 
 WALLS = (1, -1)

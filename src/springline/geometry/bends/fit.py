@@ -9,7 +9,7 @@ import numpy as np
 from springline.errors import ParameterError
 from springline.geometry.bends import _first
 from springline.geometry.bends.centreline import locate
-from springline.geometry.robot._checks import choice, finite, require
+from springline.geometry.checks import choice, finite, require
 
 BEND_STATUS = {
     0: "fitted",

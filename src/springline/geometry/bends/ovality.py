@@ -11,7 +11,7 @@ import numpy as np
 
 from springline.errors import ParameterError
 from springline.geometry.bends.torus import torus_hit
-from springline.geometry.robot._checks import finite, positive
+from springline.geometry.checks import finite, positive
 from springline.geometry.robot.attitude import frame
 from springline.geometry.robot.oblique import ring_cylinder
 

@@ -12,7 +12,7 @@ import numpy as np
 from springline.errors import ParameterError
 from springline.geometry.bends._cast import first_hits
 from springline.geometry.bends.curves import bend_radii
-from springline.geometry.robot._checks import finite, positive, require
+from springline.geometry.checks import finite, positive, require
 from springline.geometry.robot.attitude import frame
 
 

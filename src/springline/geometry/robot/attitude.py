@@ -9,7 +9,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from springline.geometry.robot._checks import ORDERS, acute, choice, finite
+from springline.geometry.checks import acute, choice, finite
+
+ORDERS = ("direct", "pitch_yaw", "yaw_pitch")
+"""How a robot reached its axis: by one rotation, or by two in either order."""
 
 
 def axis(pitch, yaw):

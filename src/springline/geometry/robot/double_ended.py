@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from springline.errors import ParameterError
-from springline.geometry.robot._checks import choice, finite, positive, require
+from springline.geometry.checks import choice, finite, positive, require
 from springline.geometry.robot._numeric import jacobian, propagate
 from springline.geometry.robot.section import matrix
 

@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from springline.errors import ParameterError
-from springline.geometry.robot._checks import finite, positive, require
+from springline.geometry.checks import finite, positive, require
 from springline.geometry.robot.attitude import frame
 
 CIRCLE = 1e-12

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from springline.geometry.robot._checks import acute, finite, positive, require
+from springline.geometry.checks import acute, finite, positive, require
 
 _SEVERITY_MAX = (3.0 + 2.0 * np.sqrt(6.0)) / 5.0
 """Where the radicand of (4.3) ends: 3 + 6 s - 5 s^2 = 0."""

@@ -14,8 +14,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from springline.errors import ParameterError
+from springline.geometry.checks import choice, finite
 from springline.geometry.robot import _search as search
-from springline.geometry.robot._checks import choice, finite
 from springline.geometry.robot._numeric import jacobian, propagate, whitener
 from springline.geometry.robot.section import form_of, matrix, ring_parameters
 

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from springline.errors import ParameterError
-from springline.geometry.robot._checks import finite, positive, require
+from springline.geometry.checks import finite, positive, require
 from springline.geometry.robot._numeric import jacobian, propagate, whitener
 from springline.geometry.robot.attitude import frame
 from springline.geometry.robot.oblique import design_matrix

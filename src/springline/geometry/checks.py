@@ -1,12 +1,10 @@
-"""Refusals that the pose and bend functions share; NaN (unknown) always passes."""
+"""Refusals that several packages share: the parameter, its value, the range and how to mend it; NaN always passes."""
 
 from __future__ import annotations
 
 import numpy as np
 
 from springline.errors import ParameterError, nearest
-
-ORDERS = ("direct", "pitch_yaw", "yaw_pitch")
 
 
 def require(valid: np.ndarray, name: str, value: object, expected: str, mend: str) -> None:
