@@ -19,7 +19,7 @@ SHAPES = 8
 """Shapes kept: the family departs from their span by less than 1e-5 of the radius."""
 
 _NODES = 257
-_FRACTIONS = 48
+_FRACTIONS = 32
 _STEP = 1e-3
 
 
