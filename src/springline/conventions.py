@@ -371,6 +371,10 @@ GROUPS = {
             (
                 ("reference_diameter", "Dref [m]"),
                 ("reference_kind", "nominal, base or none"),
+                ("diameter_mean", "area mean diameter over the stations [m]"),
+                ("diameter_sigma", "its one-sigma, fit and scale [m]"),
+                ("diameter_sigma_fit", "the fit's part [m]"),
+                ("diameter_sigma_scale", "the sensor scale's part [m]"),
             ),
         ),
         Group(

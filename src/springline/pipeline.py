@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 from . import __version__
 from .config import Config
+from .design import judge, load_rule
 from .stages.clean import clean
 from .stages.estimate import estimate
 from .stages.metrics import metrics
@@ -41,6 +42,7 @@ def inspect(
         its attributes.
 
     Raises:
+        ParameterError: A rule is unknown.
         ContractError: The survey does not follow the data contract.
         InputError: It holds nothing that can be inspected; the message says why.
 
@@ -49,12 +51,14 @@ def inspect(
     >>> result.has("metrics")
     True
     """
-    config = config or Config()
+    config, rules = config or Config(), [load_rule(name) for name in checks]
     survey = add_run(validate(survey.source()), version=__version__, config=config.model_dump(mode="json"))
     for done, stage in enumerate(STAGES):
         if progress:
             progress(stage.__name__, done / len(STAGES))
         survey = stage(survey, config)
+    if rules:
+        survey = judge(survey, rules)
     if progress:
         progress("done", 1.0)
     return survey

@@ -7,6 +7,7 @@ sizes a liner along a pipe; `acceptance` judges measured deformation by the rule
 from __future__ import annotations
 
 from springline.design.acceptance import Assessment, evaluate
+from springline.design.judge import judge
 from springline.design.liner import LinerDesign, LinerResult, design_liner, next_standard
 from springline.design.rule import Rule, load_rule, rule_names
 from springline.design.stations import design_stations
@@ -19,6 +20,7 @@ __all__ = [
     "design_liner",
     "design_stations",
     "evaluate",
+    "judge",
     "load_rule",
     "next_standard",
     "rule_names",

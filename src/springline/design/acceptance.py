@@ -8,12 +8,21 @@ figure that the rule does not hold.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from springline.design.rule import Rule, load_rule
 from springline.errors import ParameterError, nearest
 from springline.geometry.checks import finite, require
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from numpy.typing import ArrayLike, NDArray
+
+    Array = NDArray[np.float64]
+    Bounds = tuple[tuple[int, float], ...]
 
 VERDICTS = ("pass", "fail", "uncertain", "not_assessed")
 
@@ -49,8 +58,16 @@ class Assessment:
 
 
 def evaluate(
-    rule, values, sigmas, *, chainage=None, reference=None, material=None, confidence=0.95, least_assessed=0.9
-):
+    rule: Rule | str | Path,
+    values: ArrayLike,
+    sigmas: ArrayLike,
+    *,
+    chainage: ArrayLike | None = None,
+    reference: str | None = None,
+    material: str | None = None,
+    confidence: float = 0.95,
+    least_assessed: float = 0.9,
+) -> Assessment:
     """Judge stations by a rule.
 
     Args:
@@ -104,7 +121,7 @@ def evaluate(
     return Assessment(rule.name, rule.edition, verdict, where, why, stations, classes, remarks)
 
 
-def _stations(values, sigmas, limit, confidence):
+def _stations(values: Array, sigmas: Array, limit: float, confidence: float) -> Array:
     from scipy.special import ndtri
 
     reach = float(ndtri(0.5 + confidence / 2.0)) * sigmas
@@ -115,7 +132,7 @@ def _stations(values, sigmas, limit, confidence):
     return verdicts
 
 
-def _overall(stations, values, least_assessed):
+def _overall(stations: Array, values: Array, least_assessed: float) -> tuple[str, int | None]:
     """Return the verdict on the pipe and the station that decides, None when there is none."""
     for verdict in ("fail", "uncertain"):
         these = stations == verdict
@@ -128,7 +145,16 @@ def _overall(stations, values, least_assessed):
     return ("pass" if assessed.mean() >= least_assessed else "uncertain"), decides
 
 
-def _why(rule, stations, values, sigmas, limit, verdict, decides, where):
+def _why(
+    rule: Rule,
+    stations: Array,
+    values: Array,
+    sigmas: Array,
+    limit: float,
+    verdict: str,
+    decides: int | None,
+    where: float,
+) -> str:
     if decides is None:
         return f"no station has a {rule.quantity} with its sigma"
     count = {name: int(np.sum(stations == name)) for name in VERDICTS}
@@ -141,7 +167,7 @@ def _why(rule, stations, values, sigmas, limit, verdict, decides, where):
     return text + (": too few to pass the pipe" if verdict == "uncertain" and own == "pass" else "")
 
 
-def _not_applicable(rule, reference, material, bounds):
+def _not_applicable(rule: Rule, reference: str | None, material: str | None, bounds: Bounds | None) -> str | None:
     """Return why the rule cannot be applied, or None."""
     if rule.missing:
         return rule.missing
@@ -155,7 +181,7 @@ def _not_applicable(rule, reference, material, bounds):
     return None
 
 
-def _remarks(rule, reference, values, sigmas):
+def _remarks(rule: Rule, reference: str, values: Array, sigmas: Array) -> tuple[str, ...]:
     remarks = [*rule.notes]
     if reference != rule.references[0]:
         remarks.append(f"values refer to the {reference} diameter; the rule prefers the {rule.references[0]} one")
@@ -166,7 +192,7 @@ def _remarks(rule, reference, values, sigmas):
     return tuple(remarks)
 
 
-def _classes(values, bounds):
+def _classes(values: Array, bounds: Bounds) -> Array:
     found = np.full(values.shape, np.nan)
     for number, lower in reversed(bounds):
         found[values >= lower] = number
@@ -175,6 +201,6 @@ def _classes(values, bounds):
     return found
 
 
-def _known(name, value, words):
+def _known(name: str, value: str | None, words: tuple[str, ...]) -> None:
     if value is not None and value not in words:
         raise ParameterError(f"{name} = {value!r} is not known{nearest(str(value), words)}", expected=", ".join(words))

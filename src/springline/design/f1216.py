@@ -8,9 +8,16 @@ and DR = D/t. Ranges that the appendix gives as advice (DR, q, R_w) are not refu
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 
 from springline.geometry.checks import choice, finite, positive, require
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike, NDArray
+
+    Array = NDArray[np.float64]
 
 EDITIONS = ("2007b", "before-2007b")
 """F1216-07b and later hold the ovality factor inside the root of X1.3; earlier editions multiply the root by it."""
@@ -37,7 +44,7 @@ LEAST_BUOYANCY = 0.67
 """R_w is never taken below this."""
 
 
-def ovality_factor(ovality):
+def ovality_factor(ovality: ArrayLike) -> Array:
     """Return the ovality reduction factor C.
 
     Args:
@@ -59,7 +66,15 @@ def ovality_factor(ovality):
     return ((1.0 - q) / (1.0 + q) ** 2) ** 3
 
 
-def buckling_pressure(dimension_ratio, *, modulus, poisson=0.3, factor=1.0, enhancement=7.0, safety=2.0):
+def buckling_pressure(
+    dimension_ratio: ArrayLike,
+    *,
+    modulus: ArrayLike,
+    poisson: ArrayLike = 0.3,
+    factor: ArrayLike = 1.0,
+    enhancement: ArrayLike = 7.0,
+    safety: ArrayLike = 2.0,
+) -> Array:
     """Return the groundwater pressure that a liner carries, X1.1.
 
     Args:
@@ -87,8 +102,16 @@ def buckling_pressure(dimension_ratio, *, modulus, poisson=0.3, factor=1.0, enha
 
 
 def thickness_buckling(
-    pressure, diameter, *, modulus, poisson=0.3, factor=1.0, enhancement=7.0, safety=2.0, convention="outer"
-):
+    pressure: ArrayLike,
+    diameter: ArrayLike,
+    *,
+    modulus: ArrayLike,
+    poisson: ArrayLike = 0.3,
+    factor: ArrayLike = 1.0,
+    enhancement: ArrayLike = 7.0,
+    safety: ArrayLike = 2.0,
+    convention: str = "outer",
+) -> Array:
     """Return the liner thickness against groundwater pressure, X1.1 solved for t.
 
     Args:
@@ -123,7 +146,9 @@ def thickness_buckling(
     return diameter / (slenderness + (1.0 if convention == "outer" else 0.0))
 
 
-def thickness_oval_stress(pressure, diameter, *, ovality, strength, safety=2.0):
+def thickness_oval_stress(
+    pressure: ArrayLike, diameter: ArrayLike, *, ovality: ArrayLike, strength: ArrayLike, safety: ArrayLike = 2.0
+) -> Array:
     """Return the liner thickness against bending stress in an oval pipe, X1.2 solved for t.
 
     Args:
@@ -155,7 +180,7 @@ def thickness_oval_stress(pressure, diameter, *, ovality, strength, safety=2.0):
     return diameter * 2.0 * square / (linear + np.sqrt(linear * linear + 4.0 * square * allowed))
 
 
-def buoyancy_factor(cover, water):
+def buoyancy_factor(cover: ArrayLike, water: ArrayLike) -> Array:
     """Return the water buoyancy factor R_w.
 
     Args:
@@ -177,7 +202,7 @@ def buoyancy_factor(cover, water):
     return np.maximum(1.0 - 0.33 * water / cover, LEAST_BUOYANCY)
 
 
-def elastic_support(cover, *, constants="inch-pound"):
+def elastic_support(cover: ArrayLike, *, constants: str = "inch-pound") -> Array:
     """Return the coefficient of elastic support B'.
 
     Args:
@@ -199,7 +224,14 @@ def elastic_support(cover, *, constants="inch-pound"):
     return 1.0 / (1.0 + 4.0 * np.exp(-SUPPORT_DECAY[constants] * positive("cover", cover)))
 
 
-def total_load(cover, water, *, unit_weight, live_load=0.0, constants="inch-pound"):
+def total_load(
+    cover: ArrayLike,
+    water: ArrayLike,
+    *,
+    unit_weight: ArrayLike,
+    live_load: ArrayLike = 0.0,
+    constants: str = "inch-pound",
+) -> Array:
     """Return the total external pressure q_t on a fully deteriorated pipe.
 
     Args:
@@ -228,18 +260,18 @@ def total_load(cover, water, *, unit_weight, live_load=0.0, constants="inch-poun
 
 
 def thickness_fully_deteriorated(
-    load,
-    diameter,
+    load: ArrayLike,
+    diameter: ArrayLike,
     *,
-    modulus,
-    soil_modulus,
-    cover,
-    water,
-    factor=1.0,
-    safety=2.0,
-    edition="2007b",
-    constants="inch-pound",
-):
+    modulus: ArrayLike,
+    soil_modulus: ArrayLike,
+    cover: ArrayLike,
+    water: ArrayLike,
+    factor: ArrayLike = 1.0,
+    safety: ArrayLike = 2.0,
+    edition: str = "2007b",
+    constants: str = "inch-pound",
+) -> Array:
     """Return the liner thickness in a pipe that no longer carries its own loads, X1.3 solved for t.
 
     Args:
@@ -282,7 +314,7 @@ def thickness_fully_deteriorated(
     return positive("diameter", diameter) * np.cbrt(12.0 * (needed / outside) ** 2 / (support * inside))
 
 
-def thickness_stiffness(diameter, *, modulus, constants="inch-pound"):
+def thickness_stiffness(diameter: ArrayLike, *, modulus: ArrayLike, constants: str = "inch-pound") -> Array:
     """Return the least liner thickness for handling and soil loads, X1.4 solved for t.
 
     Args:
@@ -306,7 +338,7 @@ def thickness_stiffness(diameter, *, modulus, constants="inch-pound"):
     return positive("diameter", diameter) * np.cbrt(12.0 * LEAST_STIFFNESS[constants] / modulus)
 
 
-def _stiffness(modulus, poisson, factor, enhancement):
+def _stiffness(modulus: Array, poisson: Array, factor: Array, enhancement: Array) -> Array:
     poisson = finite("poisson", poisson)
     require(
         np.isnan(poisson) | (np.abs(poisson) < 1), "poisson", poisson, "-1 < poisson < 1", "plastics have 0.3 to 0.4"
@@ -316,19 +348,19 @@ def _stiffness(modulus, poisson, factor, enhancement):
     return 2.0 * positive("enhancement", enhancement, "7 is the usual K") * plate * factor
 
 
-def _ratio(value):
+def _ratio(value: Array) -> Array:
     value = finite("dimension_ratio", value)
     require(~(value <= 1), "dimension_ratio", value, "dimension_ratio > 1", "it is diameter over thickness")
     return value
 
 
-def _pressure(value, name="pressure"):
+def _pressure(value: Array, name: str = "pressure") -> Array:
     value = finite(name, value)
     require(~(value < 0), name, value, f"{name} >= 0", "give the external pressure in pascals")
     return value
 
 
-def _water(value):
+def _water(value: Array) -> Array:
     value = finite("water", value)
     require(~(value < 0), "water", value, "water >= 0", "give 0 when the water stands below the top of the pipe")
     return value

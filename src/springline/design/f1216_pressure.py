@@ -5,12 +5,21 @@ SI throughout; D is the mean inside diameter of the existing pipe, d that of a h
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 
 from springline.geometry.checks import finite, positive, require
 
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike, NDArray
 
-def thickness_hole_span(pressure, diameter, *, hole, strength, safety=2.0):
+    Array = NDArray[np.float64]
+
+
+def thickness_hole_span(
+    pressure: ArrayLike, diameter: ArrayLike, *, hole: ArrayLike, strength: ArrayLike, safety: ArrayLike = 2.0
+) -> Array:
     """Return the liner thickness that spans a hole as a flat plate fixed at its edge, X1.6 solved for t.
 
     Args:
@@ -37,7 +46,7 @@ def thickness_hole_span(pressure, diameter, *, hole, strength, safety=2.0):
         return diameter / (1.0 + diameter / hole * np.sqrt(allowed))
 
 
-def spans_as_plate(thickness, diameter, *, hole):
+def spans_as_plate(thickness: ArrayLike, diameter: ArrayLike, *, hole: ArrayLike) -> Array:
     """Return whether a hole is small enough to be spanned as a flat plate, X1.5.
 
     Args:
@@ -60,7 +69,9 @@ def spans_as_plate(thickness, diameter, *, hole):
     return _hole(hole) / diameter <= 1.83 * np.sqrt(positive("thickness", thickness) / diameter)
 
 
-def thickness_ring_tension(pressure, diameter, *, tensile_strength, safety=2.0):
+def thickness_ring_tension(
+    pressure: ArrayLike, diameter: ArrayLike, *, tensile_strength: ArrayLike, safety: ArrayLike = 2.0
+) -> Array:
     """Return the liner thickness that carries the whole internal pressure in ring tension, X1.7 solved for t.
 
     Args:
@@ -86,13 +97,13 @@ def thickness_ring_tension(pressure, diameter, *, tensile_strength, safety=2.0):
     return diameter / (allowed + 2.0)
 
 
-def _load(pressure):
+def _load(pressure: Array) -> Array:
     pressure = finite("pressure", pressure)
     require(~(pressure < 0), "pressure", pressure, "pressure >= 0", "give the internal pressure in pascals")
     return pressure
 
 
-def _hole(hole):
+def _hole(hole: Array) -> Array:
     hole = finite("hole", hole)
     require(~(hole < 0), "hole", hole, "hole >= 0", "give the diameter of the largest hole in metres")
     return hole

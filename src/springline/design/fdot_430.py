@@ -2,10 +2,16 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 
 from springline.errors import ParameterError
 from springline.geometry.checks import positive, require
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike
+
 
 LEAST_DIAMETERS = 4
 
@@ -13,7 +19,7 @@ SPREAD_LIMIT = 0.02
 """Relative spread of the diameters beyond which the section is not round enough; the procedure gives no figure."""
 
 
-def representative_diameter(diameters, *, spread_limit=SPREAD_LIMIT):
+def representative_diameter(diameters: ArrayLike, *, spread_limit: float = SPREAD_LIMIT) -> float:
     """Return the representative diameter of a line.
 
     Args:

@@ -21,9 +21,16 @@ to agree best with tests of close-fit liners; Thépot, Trenchless Technol. Res. 
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 
 from springline.geometry.checks import finite, positive, require
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike, NDArray
+
+    Array = NDArray[np.float64]
 
 _FREE = (2.4 - np.sqrt(2.16)) / 0.45
 """pi^2 w0 R/l^2 at the greatest pressure without a gap: the root of 0.225 y^2 - 2.4 y + 4."""
@@ -36,7 +43,15 @@ _PRESSURE = (5.0 * np.pi**2 / 3.0) ** 0.6 * np.pi**-0.8 * 12.0**-0.6 * _FREE_STR
 """0.455, the coefficient of E* t^2.2/(P^0.4 R^1.8)."""
 
 
-def glock_pressure(thickness, diameter, *, modulus, poisson=0.3, ovality=0.0, gap=0.0):
+def glock_pressure(
+    thickness: ArrayLike,
+    diameter: ArrayLike,
+    *,
+    modulus: ArrayLike,
+    poisson: ArrayLike = 0.3,
+    ovality: ArrayLike = 0.0,
+    gap: ArrayLike = 0.0,
+) -> Array:
     """Return the outside pressure at which a close-fit liner buckles.
 
     Args:
@@ -70,7 +85,7 @@ def glock_pressure(thickness, diameter, *, modulus, poisson=0.3, ovality=0.0, ga
     return close * gap_factor(_slack(gap, thickness, perimeter, curved))
 
 
-def flattening_factor(ovality):
+def flattening_factor(ovality: ArrayLike) -> Array:
     """Return the mean radius over the radius of curvature at the flattest place, (1 - q)/(1 + q)^2, of an ellipse.
 
     >>> round(float(flattening_factor(0.05)), 6)
@@ -81,7 +96,7 @@ def flattening_factor(ovality):
     return (1.0 - q) / (1.0 + q) ** 2
 
 
-def perimeter_factor(ovality):
+def perimeter_factor(ovality: ArrayLike) -> Array:
     """Return the perimeter of the circle of the mean of the axes over that of the ellipse.
 
     >>> round(float(perimeter_factor(0.05)), 6)
@@ -93,7 +108,7 @@ def perimeter_factor(ovality):
     return np.pi / (2.0 * (1.0 + q) * ellipe(4.0 * q / (1.0 + q) ** 2))
 
 
-def ovality_knockdown(ovality):
+def ovality_knockdown(ovality: ArrayLike) -> Array:
     """Return the buckling pressure in an oval host over that in a round one of equal mean of the axes.
 
     Args:
@@ -111,7 +126,7 @@ def ovality_knockdown(ovality):
     return flattening_factor(ovality) ** 1.8 * perimeter_factor(ovality) ** 0.4
 
 
-def gap_knockdown(thickness, diameter, *, gap, ovality=0.0):
+def gap_knockdown(thickness: ArrayLike, diameter: ArrayLike, *, gap: ArrayLike, ovality: ArrayLike = 0.0) -> Array:
     """Return the buckling pressure with a gap over that without, at equal ovality.
 
     Args:
@@ -135,7 +150,7 @@ def gap_knockdown(thickness, diameter, *, gap, ovality=0.0):
     return gap_factor(_slack(gap, thickness, perimeter, curved))
 
 
-def gap_factor(slack):
+def gap_factor(slack: ArrayLike) -> Array:
     """Return the reduction by a gap as a function of the dimensionless slack 2 pi^3 g R^2/l1^3.
 
     Args:
@@ -158,7 +173,16 @@ def gap_factor(slack):
     return np.where(slack == 0.0, 1.0, np.where(np.isnan(slack), np.nan, factor))
 
 
-def thickness_glock(pressure, diameter, *, modulus, poisson=0.3, ovality=0.0, gap=0.0, safety=2.0):
+def thickness_glock(
+    pressure: ArrayLike,
+    diameter: ArrayLike,
+    *,
+    modulus: ArrayLike,
+    poisson: ArrayLike = 0.3,
+    ovality: ArrayLike = 0.0,
+    gap: ArrayLike = 0.0,
+    safety: ArrayLike = 2.0,
+) -> Array:
     """Return the thickness of a close-fit liner against outside water pressure.
 
     Args:
@@ -208,7 +232,7 @@ def thickness_glock(pressure, diameter, *, modulus, poisson=0.3, ovality=0.0, ga
     return np.where(needed == 0, 0.0, np.where(enough, np.exp(high), np.nan))
 
 
-def _slack(gap, thickness, perimeter, curved):
+def _slack(gap: Array, thickness: Array, perimeter: Array, curved: Array) -> Array:
     """Return 2 pi g (pi R)^2/l1^3 with l1^5 = 5 D pi^4 R^2/(3 E* t/P), the lobe's own scale of length."""
     gap = finite("gap", gap)
     require(~(gap < 0), "gap", gap, "gap >= 0", "give the annular gap in metres")
@@ -216,7 +240,7 @@ def _slack(gap, thickness, perimeter, curved):
     return 2.0 * np.pi * gap * (np.pi * curved) ** 2 / length**3
 
 
-def _at_greatest(rise):
+def _at_greatest(rise: Array) -> tuple[Array, Array]:
     """Return relative pressure and slack of the lobe whose greatest equilibrium pressure has y = pi^2 w0 R/l^2.
 
     With l relative to l1, equilibrium is (y - y^2/8) l^3 - slack = 1/l^2 and the pressure (1 - y/10)/l^2; at its

@@ -3,12 +3,18 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from springline.design import f1216, f1216_pressure, glock
 from springline.errors import ParameterError
 from springline.geometry.checks import choice, finite, require
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike, NDArray
+
+    Array = NDArray[np.float64]
 
 METHODS = ("f1216", "glock")
 CONDITIONS = ("partially", "fully")
@@ -136,7 +142,15 @@ class LinerResult:
         return int(np.nanargmax(self.thickness))
 
 
-def design_liner(design, diameter, ovality, *, diameter_sigma=0.0, ovality_sigma=0.0, correlation=0.0):
+def design_liner(
+    design: LinerDesign,
+    diameter: ArrayLike,
+    ovality: ArrayLike,
+    *,
+    diameter_sigma: ArrayLike = 0.0,
+    ovality_sigma: ArrayLike = 0.0,
+    correlation: float = 0.0,
+) -> LinerResult:
     """Return the required liner thickness at each station.
 
     Args:
@@ -182,7 +196,7 @@ def design_liner(design, diameter, ovality, *, diameter_sigma=0.0, ovality_sigma
     return LinerResult(thickness, np.where(known, sigma, np.nan), governing, checks, ratio, warnings)
 
 
-def next_standard(thickness, *, step=0.0015, sizes=None):
+def next_standard(thickness: ArrayLike, *, step: float = 0.0015, sizes: ArrayLike | None = None) -> Array:
     """Return the next thickness up that is made.
 
     Args:
@@ -209,7 +223,7 @@ def next_standard(thickness, *, step=0.0015, sizes=None):
     return np.where(np.isnan(thickness), np.nan, sizes[place])
 
 
-def _slopes(design, diameter, q, names):
+def _slopes(design: LinerDesign, diameter: Array, q: Array, names: Array) -> tuple[Array, Array]:
     """Return the derivative of every check by diameter and by ovality, one-sided at q = 0."""
     step = 1e-6 * diameter
     up, down = (_checks(design, diameter + sign * step, q)[0] for sign in (1.0, -1.0))
@@ -220,7 +234,7 @@ def _slopes(design, diameter, q, names):
     return by_diameter, by_ovality
 
 
-def _checks(design, diameter, q):
+def _checks(design: LinerDesign, diameter: Array, q: Array) -> tuple[dict[str, Array], dict[str, Array]]:
     """Return the thickness by each check that applies, and the warnings."""
     checks, warnings = _groundwater(design, diameter, q)
     if design.condition == "fully":
@@ -239,7 +253,7 @@ def _checks(design, diameter, q):
     return checks, {name: where for name, where in warnings.items() if np.any(where)}
 
 
-def _groundwater(design, diameter, q):
+def _groundwater(design: LinerDesign, diameter: Array, q: Array) -> tuple[dict[str, Array], dict[str, Array]]:
     """Return X1.1 (or Glock) and X1.2, and their warnings."""
     common = {"modulus": design.modulus, "poisson": design.poisson, "safety": design.safety}
     warnings = {}
@@ -260,7 +274,7 @@ def _groundwater(design, diameter, q):
     return {name: buckling, "X1.2": np.where(q == 0, 0.0, stress)}, warnings
 
 
-def _fully(design, diameter, q):
+def _fully(design: LinerDesign, diameter: Array, q: Array) -> dict[str, Array]:
     load = f1216.total_load(
         design.cover,
         design.water,
@@ -286,7 +300,7 @@ def _fully(design, diameter, q):
     return {"X1.3": soil, "X1.4": np.broadcast_to(stiff, q.shape)}
 
 
-def _internal(design, diameter):
+def _internal(design: LinerDesign, diameter: Array) -> tuple[dict[str, Array], Array]:
     """Return the check for internal pressure, and where a hole is too large for a plate."""
     pressure, safety = design.internal_pressure, design.safety
     if design.condition == "fully":

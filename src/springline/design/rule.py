@@ -10,8 +10,13 @@ import tomllib
 from dataclasses import dataclass
 from importlib.resources import files
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from springline.errors import FormatError, ParameterError, nearest
+
+if TYPE_CHECKING:
+    from importlib.resources.abc import Traversable
+
 
 _KEYS = {
     "title",
@@ -107,7 +112,7 @@ def load_rule(rule: str | Path) -> Rule:
     return _parse(str(rule), (_folder() / f"{rule}.toml").read_text(encoding="utf-8"), f"{rule}.toml")
 
 
-def _folder():
+def _folder() -> Traversable:
     return files("springline.design") / "rules"
 
 

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import xarray as xr
 
+from ..geometry.fitting.boundary import amplitude_interval
 from ..geometry.measures import ellipse_measures
 from ..survey import add_assumption
 
@@ -40,13 +41,18 @@ def metrics(survey: Survey, config: Config) -> Survey:
             columns[name] = measure.value
             columns[f"{name}_sigma"] = _total(name, measure, scale)
     columns["diameter_area_sigma_fit"] = found["diameter_area"].sigma
+    columns |= _ovality_interval(section["parameters"].values, section["covariance"].values)
     reference, kind = reference_diameter(survey, config)
     if reference is not None:
         columns |= _against(reference, found, scale)
         survey = add_assumption(survey, f"Deflection and losses refer to the {kind} diameter, {reference * 1e3:g} mm.")
     data = xr.Dataset(
         {"chainage": section["chainage"], **{name: ("station", values) for name, values in columns.items()}},
-        attrs={"reference_diameter": np.nan if reference is None else reference, "reference_kind": kind},
+        attrs={
+            "reference_diameter": np.nan if reference is None else reference,
+            "reference_kind": kind,
+            **_mean_diameter(section, found["diameter_area"], scale),
+        },
     )
     return survey.with_group("metrics", data)
 
@@ -64,6 +70,30 @@ def reference_diameter(survey: Survey, config: Config) -> tuple[float | None, st
         if value is not None:
             return float(value), kind
     return None, "none"
+
+
+def _ovality_interval(parameters: np.ndarray, covariance: np.ndarray) -> dict[str, np.ndarray]:
+    """Return the 95 % interval of the polar ovality, which rises with the amplitude of (oval_cos, oval_sin)."""
+    ends = amplitude_interval(parameters[:, 1:], covariance[:, 1:, 1:])
+    ellipse = np.zeros_like(parameters)
+    ellipse[:, 0] = parameters[:, 0]
+    columns = {}
+    for name, amplitude in zip(("ovality_polar_low", "ovality_polar_high"), ends, strict=True):
+        ellipse[:, 1] = np.minimum(amplitude, 0.999 * parameters[:, 0])
+        columns[name] = ellipse_measures(ellipse, covariance)["ovality_polar"].value
+    return columns
+
+
+def _mean_diameter(section: xr.Dataset, diameter: Measure, scale: float) -> dict[str, float]:
+    """Return the mean diameter and its one-sigma in two parts: the fit's and the sensor's scale."""
+    if "mean_diameter" in section.attrs:
+        mean, fit = float(section.attrs["mean_diameter"]), float(section.attrs["mean_diameter_sigma"])
+    else:
+        fitted = np.isfinite(diameter.value)
+        mean = float(diameter.value[fitted].mean())
+        fit = float(np.sqrt((diameter.sigma[fitted] ** 2).sum()) / fitted.sum())
+    parts = {"diameter_sigma_fit": fit, "diameter_sigma_scale": scale * mean}
+    return {"diameter_mean": mean, "diameter_sigma": float(np.hypot(*parts.values())), **parts}
 
 
 def _total(name: str, measure: Measure, scale: float) -> np.ndarray:

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import xarray as xr
 
-from ..conventions import GROUPS
+from ..conventions import GROUPS, SOURCE_GROUPS
 from ..errors import FormatError, InputError, OutputError
 from .model import Survey
 
@@ -24,6 +24,7 @@ if TYPE_CHECKING:
 _RING_CHUNK = 2048
 _DEFAULT_TICK = 1e-5
 _FILL = -32768
+_POSITIONS = ("chainage", "distance", "easting", "northing", "elevation", "time")
 
 
 def save_survey(survey: Survey, path: str | Path, *, force: bool = False) -> Path:
@@ -106,7 +107,7 @@ def _write_groups(survey: Survey, store: Path) -> None:
             mode="a",
             consolidated=False,
             zarr_format=3,
-            encoding=_encoding(data),
+            encoding=_encoding(data, result=name not in SOURCE_GROUPS),
             safe_chunks=False,
             write_empty_chunks=True,
         )
@@ -134,7 +135,8 @@ def _described(group: str, data: xr.Dataset) -> xr.Dataset:
     return data
 
 
-def _encoding(data: xr.Dataset) -> dict[str, dict[str, Any]]:
+def _encoding(data: xr.Dataset, *, result: bool) -> dict[str, dict[str, Any]]:
+    """Return how each variable is stored; results keep seven digits, which is finer than any of their sigmas."""
     from zarr.codecs import BloscCodec
 
     compressor = BloscCodec(cname="zstd", clevel=5, shuffle="bitshuffle")
@@ -148,6 +150,8 @@ def _encoding(data: xr.Dataset) -> dict[str, dict[str, Any]]:
                     min(_rows_per_chunk(array), array.shape[0]) or 1,
                     *(n or 1 for n in array.shape[1:]),
                 )
+        if result and array.dtype == np.float64 and name not in _POSITIONS:
+            one["dtype"] = "float32"
         if name == "range":
             one |= _ticks(array, float(data.attrs.get("range_noise", np.nan)), float(data.attrs.get("range_max", 0.0)))
         encoding[str(name)] = one
