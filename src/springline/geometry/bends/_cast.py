@@ -8,15 +8,22 @@ which does not lose digits in wide bends, then refines it.
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 from numba import njit
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    Array = NDArray[np.float64]
 
 _DEPTH = 64
 """Halvings of one part of a ray, more than its floats have bits."""
 
 
 @njit(cache=True)
-def first_hits(origin, direction, bend_radius, r1, r2):
+def first_hits(origin: Array, direction: Array, bend_radius: Array, r1: Array, r2: Array) -> Array:
     """Return distances (n,) for origins and unit directions (n, 3) and radii (n,); NaN for NaN inputs."""
     hits = np.empty(origin.shape[0])
     stack = np.empty((_DEPTH + 2, 5))
@@ -33,7 +40,7 @@ def first_hits(origin, direction, bend_radius, r1, r2):
 
 
 @njit(cache=True)
-def _isolate(p, d, big, r1, r2, stack, ends):
+def _isolate(p: Array, d: Array, big: float, r1: float, r2: float, stack: Array, ends: Array) -> float:
     """Return the smallest positive root of the quartic, to within a thousandth of the section."""
     longest = np.sqrt((p * p).sum()) + np.hypot(big + r2, r1)
     start, length = 0.0, 4.0 * (r1 + r2)
@@ -48,7 +55,7 @@ def _isolate(p, d, big, r1, r2, stack, ends):
 
 
 @njit(cache=True)
-def _leftmost(start, length, width, stack, ends):
+def _leftmost(start: float, length: float, width: float, stack: Array, ends: Array) -> float:
     """Return the first sign change of the coefficients in `stack[0]` over one part of the ray, NaN for none."""
     ends[0, 0], ends[0, 1] = start, start + length
     top = 0
@@ -72,7 +79,7 @@ def _leftmost(start, length, width, stack, ends):
 
 
 @njit(cache=True)
-def _bernstein(p, d, big, r1, r2, length, out):
+def _bernstein(p: Array, d: Array, big: float, r1: float, r2: float, length: float, out: Array) -> None:
     """Write the quartic's Bernstein coefficients over [0, length], scaled by r2^2 R^2."""
     squash = (r2 / r1) ** 2
     a2 = (d[0] * d[0] + d[1] * d[1] + squash * d[2] * d[2]) * length * length
@@ -94,7 +101,7 @@ def _bernstein(p, d, big, r1, r2, length, out):
 
 
 @njit(cache=True)
-def _halve(part, left):
+def _halve(part: Array, left: Array) -> None:
     """Split in the middle (de Casteljau): `part` becomes its right half, `left` receives the left half."""
     left[0] = part[0]
     for level in range(1, 5):
@@ -104,7 +111,7 @@ def _halve(part, left):
 
 
 @njit(cache=True)
-def _refine(t, p, d, big, r1, r2):
+def _refine(t: float, p: Array, d: Array, big: float, r1: float, r2: float) -> float:
     """Return the root of the section's level near `t`, by Newton."""
     for _ in range(8):
         x, y, z = p[0] + t * d[0], p[1] + t * d[1], p[2] + t * d[2]

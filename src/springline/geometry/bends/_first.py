@@ -2,9 +2,14 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    Array = NDArray[np.float64]
 
 _CANDIDATES = 40
 """Stations tried for the start and for the end of the bend."""
@@ -20,12 +25,12 @@ class Guess(NamedTuple):
     radius: float
 
 
-def centres(rings):
+def centres(rings: Array) -> Array:
     """Return the centres (n, 3) of rings (n, m, 3): the circle through each ring's points in its own plane."""
     return _circles(rings)[0]
 
 
-def guess(rings, *, straights):
+def guess(rings: Array, *, straights: bool) -> Guess:
     """Return the first guess for `fit_bend`."""
     middles, radii = _circles(rings)
     mean = middles.mean(axis=0)
@@ -46,7 +51,7 @@ def guess(rings, *, straights):
     return Guess(start, frame, (last - first) / angle, angle, float(np.median(radii)))
 
 
-def _circles(rings):
+def _circles(rings: Array) -> tuple[Array, Array]:
     """Return centres (n, 3) and radii (n,) of Kasa circles in each ring's plane."""
     seen = np.isfinite(rings).all(axis=-1)
     count = seen.sum(axis=-1)[:, None]
@@ -63,7 +68,7 @@ def _circles(rings):
     return mean + (middle[:, None] @ axes)[:, 0], radius
 
 
-def _ramp(station, heading, weight, straights):
+def _ramp(station: Array, heading: Array, weight: Array, straights: bool) -> tuple[float, float, float, float]:
     """Return where the heading starts and stops to change, its value before, and its whole change."""
     at = (station[1:] + station[:-1]) / 2.0
     if not straights:

@@ -7,9 +7,14 @@ the bend's centre, and along the normal.
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike, NDArray
+
+    Array = NDArray[np.float64]
 
 
 class Station(NamedTuple):
@@ -20,7 +25,9 @@ class Station(NamedTuple):
     across: np.ndarray
 
 
-def locate(points, start, frame, bend_radius, angle, *, straights=True):
+def locate(
+    points: ArrayLike, start: ArrayLike, frame: ArrayLike, bend_radius: float, angle: float, *, straights: bool = True
+) -> Station:
     """Return where points lie about a straight-arc-straight centreline.
 
     Args:
@@ -55,7 +62,7 @@ def locate(points, start, frame, bend_radius, angle, *, straights=True):
     return Station(np.take_along_axis(along, nearest, 0)[0], np.take_along_axis(out, nearest, 0)[0], across)
 
 
-def centreline(chainage, start, frame, bend_radius, angle):
+def centreline(chainage: ArrayLike, start: ArrayLike, frame: ArrayLike, bend_radius: float, angle: float) -> Array:
     """Return the centreline's points (..., 3) [m] at `chainage` [m] from the start of the arc.
 
     >>> centreline([-1.0, 0.0, np.pi], np.zeros(3), np.eye(3), 2.0, np.pi / 2).round(6) + 0.0

@@ -2,17 +2,33 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 
 from springline.errors import ParameterError
 from springline.geometry.checks import finite, positive, require
 from springline.geometry.robot.attitude import yaw_after_pitch
 
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike, NDArray
+
+    Array = NDArray[np.float64]
+
 WALLS = (1, -1)
 """Outer wall, farther from the bend's centre, and inner wall."""
 
 
-def bend_section(z, bend_radius, r1, r2, pitch=0.0, yaw=0.0, *, wall=1):
+def bend_section(
+    z: ArrayLike,
+    bend_radius: ArrayLike,
+    r1: ArrayLike,
+    r2: ArrayLike,
+    pitch: ArrayLike = 0.0,
+    yaw: ArrayLike = 0.0,
+    *,
+    wall: ArrayLike = 1,
+) -> Array:
     """Return y(z) of the wall in the ring plane of a robot on the axis of an upward bend.
 
     The robot stands on the pipe's axis and the bend's centre lies above it, at y = bend_radius. A bend to another
@@ -51,7 +67,7 @@ def bend_section(z, bend_radius, r1, r2, pitch=0.0, yaw=0.0, *, wall=1):
         return bend_radius * np.cos(pitch) - np.sqrt(reach**2 - along**2)
 
 
-def bend_radii(bend_radius, r2):
+def bend_radii(bend_radius: ArrayLike, r2: ArrayLike) -> tuple[Array, Array]:
     """Return both radii as floats; refuse a bend that is tighter than the pipe.
 
     >>> bend_radii(1.0, 0.2)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -10,6 +11,13 @@ from springline.errors import ParameterError
 from springline.geometry.bends import _first
 from springline.geometry.bends.centreline import locate
 from springline.geometry.checks import choice, finite, require
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from numpy.typing import ArrayLike, NDArray
+
+    Array = NDArray[np.float64]
 
 BEND_STATUS = {
     0: "fitted",
@@ -87,7 +95,7 @@ class BendFit:
         """Forward unit vector (3,) after the bend; NaN where the angle is missing."""
         return np.cos(self.angle) * self.frame[0] + np.sin(self.angle) * self.frame[1]
 
-    def bearing(self, up=(0.0, 1.0, 0.0)) -> float:
+    def bearing(self, up: ArrayLike = (0.0, 1.0, 0.0)) -> float:
         """Return the bearing [rad] of the bend's centre, seen looking forward before the bend: 0 turns right.
 
         Args:
@@ -98,7 +106,9 @@ class BendFit:
         return float(np.arctan2(inward @ crown, inward @ np.cross(forward, crown)))
 
 
-def fit_bend(rings, *, section="circle", straights=True, noise=None):
+def fit_bend(
+    rings: ArrayLike, *, section: str = "circle", straights: bool = True, noise: float | None = None
+) -> BendFit:
     """Fit a bend between two straights to rings in common coordinates.
 
     Args:
@@ -148,12 +158,12 @@ class _Model:
     log r2 for an ellipse][, shift along forward and angle with straights]. Logs keep lengths positive.
     """
 
-    def __init__(self, points, first, section, straights):
+    def __init__(self, points: Array, first: _first.Guess, section: str, straights: bool) -> None:
         self.points, self.first, self.straights = points, first, straights
         self.radii = 2 if section == "ellipse" else 1
         self.size = 6 + self.radii + (2 if straights else 0)
 
-    def unpack(self, values):
+    def unpack(self, values: Array) -> tuple[Array, Array, float, float, float, float]:
         from scipy.spatial.transform import Rotation
 
         first, tail = self.first, values[6 + self.radii :]
@@ -164,7 +174,7 @@ class _Model:
         angle = first.angle + tail[1] if self.straights else np.pi
         return start, frame, first.bend_radius * np.exp(values[5]), angle, radii[0], radii[-1]
 
-    def residual(self, values):
+    def residual(self, values: Array) -> Array:
         start, frame, bend_radius, angle, r1, r2 = self.unpack(values)
         place = locate(self.points, start, frame, bend_radius, angle, straights=self.straights)
         depth = np.hypot(place.out, place.across)
@@ -172,7 +182,7 @@ class _Model:
         # Along the ray from the axis; for a circle the distance itself.
         return depth - np.divide(depth, level, out=np.full_like(depth, r1), where=level > 0)
 
-    def solve(self, noise):
+    def solve(self, noise: ArrayLike) -> tuple[Array, float, bool]:
         """Return the values, the noise and whether the search converged."""
         from scipy.optimize import least_squares
 
@@ -184,12 +194,12 @@ class _Model:
             scale = noise or max(1.4826 * np.median(np.abs(found.fun)), 1e-12 * self.first.radius)
         return values, scale, found.success
 
-    def derivative(self, values, function):
+    def derivative(self, values: Array, function: Callable[[Array], Array]) -> Array:
         steps = np.eye(self.size) * 1e-6
         return np.stack([(function(values + h) - function(values - h)) / 2e-6 for h in steps], axis=-1)
 
 
-def _result(model, rings, values, noise, converged):
+def _result(model: _Model, rings: Array, values: Array, noise: float, converged: bool) -> BendFit:
     start, frame, bend_radius, angle, r1, r2 = model.unpack(values)
     residual = model.residual(values)
     rms = float(np.sqrt(np.mean(residual**2)))
@@ -220,7 +230,9 @@ def _result(model, rings, values, noise, converged):
     return BendFit(*map(float, parameters), start, frame, covariance, plane_sigma, float(noise), rms, status)
 
 
-def _status(converged, bend_radius, angle, r2, covariance, along):
+def _status(
+    converged: bool, bend_radius: float, angle: float, r2: float, covariance: Array, along: Array | None
+) -> int:
     """Return the key of BEND_STATUS; `along` are the rings' places along a bend between straights, else None."""
     if not converged:
         return 3
@@ -234,7 +246,7 @@ def _status(converged, bend_radius, angle, r2, covariance, along):
     return 4 if early else 5 if late else 0
 
 
-def _failed(status, r1=np.nan, r2=np.nan, noise=np.nan, rms=np.nan):
+def _failed(status: int, r1: float = np.nan, r2: float = np.nan, noise: float = np.nan, rms: float = np.nan) -> BendFit:
     missing, frame = np.full(3, np.nan), np.full((3, 3), np.nan)
     covariance = np.full((5, 5), np.nan)
     return BendFit(

@@ -5,7 +5,7 @@ The ring is read about O, the centroid of the area it encloses, which is the con
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -14,6 +14,11 @@ from springline.geometry.bends.torus import torus_hit
 from springline.geometry.checks import finite, positive
 from springline.geometry.robot.attitude import frame
 from springline.geometry.robot.oblique import ring_cylinder
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike, NDArray
+
+    Array = NDArray[np.float64]
 
 _READINGS = 720
 """Rays per ring: means converge spectrally, and a smooth extreme is interpolated to about 1e-9."""
@@ -35,7 +40,7 @@ class ApparentOvality(NamedTuple):
     caliper: np.ndarray
 
 
-def ring_ovality(radius):
+def ring_ovality(radius: ArrayLike) -> ApparentOvality:
     """Return the extreme chords and the four ovalities of rings about O.
 
     Args:
@@ -70,7 +75,7 @@ def ring_ovality(radius):
     return ApparentOvality(largest, smallest, **{name: largest / mean - 1.0 for name, mean in means.items()})
 
 
-def tilt_ovality(r1, r2, pitch, yaw):
+def tilt_ovality(r1: ArrayLike, r2: ArrayLike, pitch: ArrayLike, yaw: ArrayLike) -> ApparentOvality:
     """Return the ovality that a tilted ring shows of a straight pipe.
 
     Args:
@@ -94,7 +99,15 @@ def tilt_ovality(r1, r2, pitch, yaw):
     return ring_ovality(ring_cylinder(_bearings(), r1, r2, pitch, yaw))
 
 
-def bend_ovality(bend_radius, r1, r2, pitch=0.0, yaw=0.0, *, offset=(0.0, 0.0)):
+def bend_ovality(
+    bend_radius: ArrayLike,
+    r1: ArrayLike,
+    r2: ArrayLike,
+    pitch: ArrayLike = 0.0,
+    yaw: ArrayLike = 0.0,
+    *,
+    offset: tuple[ArrayLike, ArrayLike] = (0.0, 0.0),
+) -> ApparentOvality:
     """Return the ovality that a ring shows in a bend.
 
     Args:
@@ -128,11 +141,13 @@ def bend_ovality(bend_radius, r1, r2, pitch=0.0, yaw=0.0, *, offset=(0.0, 0.0)):
     return ring_ovality(_recast(phi, big, r1, r2, pitch, yaw, (y0, z0), shift))
 
 
-def _bearings():
+def _bearings() -> Array:
     return np.linspace(0.0, 2.0 * np.pi, _READINGS, endpoint=False)
 
 
-def _recast(phi, big, r1, r2, pitch, yaw, offset, shift):
+def _recast(
+    phi: Array, big: Array, r1: Array, r2: Array, pitch: Array, yaw: Array, offset: tuple[Array, Array], shift: Array
+) -> Array:
     """Return the radii about the point that lies `shift` (z, y) from the origin in the ring plane."""
     frames = frame(pitch, yaw)
     x, y, z = np.broadcast_arrays(0.0, offset[0] - big, offset[1])
@@ -142,7 +157,7 @@ def _recast(phi, big, r1, r2, pitch, yaw, offset, shift):
     return torus_hit(origin, direction, big, r1, r2)
 
 
-def _extreme(chord):
+def _extreme(chord: Array) -> Array:
     """Return the largest value over the last, periodic axis, through a parabola about the largest sample."""
     index = np.argmax(np.where(np.isnan(chord), -np.inf, chord), axis=-1)[..., None]
     before, top, after = (
@@ -154,7 +169,7 @@ def _extreme(chord):
     return top - np.where(flat, 0.0, (after - before) ** 2 / (8.0 * np.where(flat, 1.0, bow)))
 
 
-def _convex_perimeter(radius):
+def _convex_perimeter(radius: Array) -> Array:
     """Return the perimeter of the convex hull: of the curve itself where it is convex, else of its polygon's hull."""
     count = radius.shape[-1]
     wave = 1j * np.fft.rfftfreq(count, 1.0 / count)
@@ -168,7 +183,7 @@ def _convex_perimeter(radius):
     return perimeter
 
 
-def _hull_perimeter(radius):
+def _hull_perimeter(radius: Array) -> float:
     from scipy.spatial import ConvexHull
 
     phi = np.linspace(0.0, 2.0 * np.pi, radius.size, endpoint=False)

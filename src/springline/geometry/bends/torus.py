@@ -7,6 +7,8 @@ and looks along x, with y up towards the bend's centre.
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 
 from springline.errors import ParameterError
@@ -15,8 +17,15 @@ from springline.geometry.bends.curves import bend_radii
 from springline.geometry.checks import finite, positive, require
 from springline.geometry.robot.attitude import frame
 
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike, NDArray
 
-def torus_quartic(origin, direction, bend_radius, r1, r2):
+    Array = NDArray[np.float64]
+
+
+def torus_quartic(
+    origin: ArrayLike, direction: ArrayLike, bend_radius: ArrayLike, r1: ArrayLike, r2: ArrayLike
+) -> Array:
     """Return the coefficients c4 ... c0 of a ray's crossings with a torus.
 
     Args:
@@ -57,7 +66,7 @@ def torus_quartic(origin, direction, bend_radius, r1, r2):
     return np.stack(np.broadcast_arrays(*coefficients), axis=-1)
 
 
-def torus_hit(origin, direction, bend_radius, r1, r2):
+def torus_hit(origin: ArrayLike, direction: ArrayLike, bend_radius: ArrayLike, r1: ArrayLike, r2: ArrayLike) -> Array:
     """Return the distance from a point inside a bend to the first wall along a ray.
 
     Args:
@@ -93,7 +102,18 @@ def torus_hit(origin, direction, bend_radius, r1, r2):
     return first_hits(*rays, *sizes).reshape(shape)[()]
 
 
-def ring_bend(phi, bend_radius, r1, r2, pitch=0.0, yaw=0.0, roll=0.0, *, order="direct", offset=(0.0, 0.0)):
+def ring_bend(
+    phi: ArrayLike,
+    bend_radius: ArrayLike,
+    r1: ArrayLike,
+    r2: ArrayLike,
+    pitch: ArrayLike = 0.0,
+    yaw: ArrayLike = 0.0,
+    roll: ArrayLike = 0.0,
+    *,
+    order: str = "direct",
+    offset: tuple[ArrayLike, ArrayLike] = (0.0, 0.0),
+) -> Array:
     """Return the radii of a laser ring in an upward bend.
 
     Args:
@@ -127,7 +147,7 @@ def ring_bend(phi, bend_radius, r1, r2, pitch=0.0, yaw=0.0, roll=0.0, *, order="
     return torus_hit(np.stack([x, y, z], axis=-1), direction, bend_radius, r1, r2)
 
 
-def _vectors(name, value):
+def _vectors(name: str, value: ArrayLike) -> Array:
     value = finite(name, value)
     if value.shape[-1:] != (3,):
         raise ParameterError(f"{name} has shape {value.shape}", expected="(..., 3) components x, y, z")

@@ -2,10 +2,19 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 
+if TYPE_CHECKING:
+    from collections.abc import Callable
 
-def jacobian(function, x, steps):
+    from numpy.typing import ArrayLike, NDArray
+
+    Array = NDArray[np.float64]
+
+
+def jacobian(function: Callable[[Array], Array], x: Array, steps: ArrayLike) -> Array:
     """Return the derivative (..., m, k) of `function`: (..., k) -> (..., m) at `x`; `steps` (k,) are half-widths."""
     columns = []
     for k, step in enumerate(np.asarray(steps, dtype=float)):
@@ -15,12 +24,12 @@ def jacobian(function, x, steps):
     return np.stack(columns, axis=-1)
 
 
-def propagate(derivative, covariance):
+def propagate(derivative: Array, covariance: Array) -> Array:
     """Return J C J' over the last two axes."""
     return derivative @ covariance @ np.swapaxes(derivative, -1, -2)
 
 
-def whitener(covariance):
+def whitener(covariance: Array) -> Array:
     """Return W (..., m, m) with W' W = inverse of `covariance`, by eigenvalues; all NaN where that is not definite."""
     known = np.isfinite(covariance).all(axis=(-1, -2), keepdims=True)
     values, vectors = np.linalg.eigh(np.where(known, covariance, np.eye(covariance.shape[-1])))

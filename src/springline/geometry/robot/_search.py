@@ -6,12 +6,18 @@ Everything here is relative to the rings' mean radius. Shapes: B problems, S sta
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from springline.geometry.robot._numeric import jacobian
 from springline.geometry.robot.attitude import frame_about
 from springline.geometry.robot.oblique import design_matrix
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    Array = NDArray[np.float64]
 
 EDGE = np.radians(85.0)
 """Largest pitch or yaw of any ring that is searched."""
@@ -35,7 +41,7 @@ class Problem:
     unknown_roll: bool
     rotation: bool
 
-    def of(self, index):
+    def of(self, index: Array) -> Problem:
         """Return the problems at `index`, one per entry."""
         arrays = (part[index] for part in (self.forms, self.steps, self.weights, self.roll))
         return Problem(*arrays, self.unknown_roll, self.rotation)
@@ -52,7 +58,7 @@ class Found:
     spread: np.ndarray
 
 
-def solve(problem, guess, *, noisy):
+def solve(problem: Problem, guess: Array | None, *, noisy: bool) -> Found:
     """Return the best attitude of each problem and how many others are as good."""
     starts = _starts(problem, guess)
     angles, cost = _descend(problem, starts)
@@ -71,7 +77,7 @@ def solve(problem, guess, *, noisy):
     return Found(chosen[:, 0], misfit, _count(angles, good), spread)
 
 
-def sensitivity(problem, found):
+def sensitivity(problem: Problem, found: Found) -> Array:
     """Return the derivative (B, 3n, 5) of the whitened forms by (pitch, yaw, roll, r1, r2) at what was found."""
 
     def model(x):
@@ -82,7 +88,7 @@ def sensitivity(problem, found):
     return jacobian(model, found.values, [1e-6] * 5)
 
 
-def _starts(problem, guess):
+def _starts(problem: Problem, guess: Array | None) -> Array:
     axes = [_GRID, _GRID, _ROLLS] if problem.unknown_roll else [_GRID, _GRID]
     grid = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, len(axes))
     points = np.broadcast_to(grid, (len(problem.forms), *grid.shape))
@@ -96,7 +102,7 @@ def _starts(problem, guess):
     return np.concatenate([first, starts], axis=1)
 
 
-def _whole(problem, angles):
+def _whole(problem: Problem, angles: Array) -> Array:
     """Return (..., 3) angles: the given roll joins pitch and yaw when it is not searched."""
     if problem.unknown_roll:
         return angles
@@ -104,7 +110,7 @@ def _whole(problem, angles):
     return np.concatenate([angles, roll], axis=-1)
 
 
-def _frames(problem, angles):
+def _frames(problem: Problem, angles: Array) -> Array:
     """Return the frames (B, S, n, 3, 3) of all rings; NaN where a ring would face across the pipe."""
     first = angles[:, :, None, :]
     if not problem.rotation:
@@ -118,15 +124,15 @@ def _frames(problem, angles):
     return _mask(frames, inside)
 
 
-def _mask(frames, inside):
+def _mask(frames: Array, inside: Array) -> Array:
     return np.where(inside[..., None, None], frames, np.nan)
 
 
-def _unit(b, c):
+def _unit(b: Array, c: Array) -> Array:
     return np.stack([np.ones_like(b), b, c], axis=-1) / np.sqrt(1.0 + b * b + c * c)[..., None]
 
 
-def _rotation(vectors):
+def _rotation(vectors: Array) -> Array:
     """Return rotation matrices (..., 3, 3) of rotation vectors (Rodrigues)."""
     x, y, z = np.moveaxis(vectors, -1, 0)
     zero = np.zeros_like(x)
@@ -135,7 +141,7 @@ def _rotation(vectors):
     return np.eye(3) + np.sinc(angle / np.pi) * cross + 0.5 * np.sinc(angle / (2 * np.pi)) ** 2 * (cross @ cross)
 
 
-def _residual(problem, angles):
+def _residual(problem: Problem, angles: Array) -> tuple[Array, Array]:
     """Return whitened residuals (B, S, 3n) with the radii eliminated, and the radii (B, S, 2)."""
     frames = _frames(problem, _whole(problem, angles))
     inside = np.isfinite(frames[..., 0, 0]).all(axis=-1)
@@ -151,11 +157,11 @@ def _residual(problem, angles):
     return np.where(valid[..., None], residual, np.inf), radii
 
 
-def _cost(problem, angles):
+def _cost(problem: Problem, angles: Array) -> Array:
     return np.sum(_residual(problem, angles)[0] ** 2, axis=-1)
 
 
-def _descend(problem, starts):
+def _descend(problem: Problem, starts: Array) -> tuple[Array, Array]:
     """Return angles (B, S, k) and cost (B, S) after damped Gauss-Newton from every start."""
     size, count, width = starts.shape
     angles = starts.reshape(-1, 1, width).copy()
@@ -178,7 +184,7 @@ def _descend(problem, starts):
     return angles.reshape(starts.shape), cost.reshape(size, count)
 
 
-def _step(problem, angles, damping):
+def _step(problem: Problem, angles: Array, damping: Array) -> Array:
     """Return the damped Gauss-Newton step, at most half a radian in any angle."""
     value = _residual(problem, angles)[0]
     with np.errstate(invalid="ignore"):
@@ -192,14 +198,14 @@ def _step(problem, angles, damping):
     return step * np.minimum(1.0, 0.5 / np.maximum(np.abs(step).max(axis=-1), 1e-300))[..., None]
 
 
-def _pick(angles, cost, good, guess):
+def _pick(angles: Array, cost: Array, good: Array, guess: Array | None) -> Array:
     if guess is None:
         return np.argmin(cost, axis=1)
     distance = np.linalg.norm(angles - np.asarray(guess)[..., None, :], axis=-1)
     return np.argmin(np.where(good, distance, np.inf), axis=1)
 
 
-def _count(angles, good):
+def _count(angles: Array, good: Array) -> Array:
     """Return how many distinct attitudes are good: each start counts when no earlier good one is the same."""
     near = np.linalg.norm(angles[:, :, None] - angles[:, None], axis=-1) < _SAME
     earlier = np.tril(np.ones(near.shape[1:], dtype=bool), -1)

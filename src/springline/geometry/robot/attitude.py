@@ -7,15 +7,22 @@ axes in pipe coordinates, so `frame @ v` are the robot components of a pipe vect
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 
 from springline.geometry.checks import acute, choice, finite
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike, NDArray
+
+    Array = NDArray[np.float64]
 
 ORDERS = ("direct", "pitch_yaw", "yaw_pitch")
 """How a robot reached its axis: by one rotation, or by two in either order."""
 
 
-def axis(pitch, yaw):
+def axis(pitch: ArrayLike, yaw: ArrayLike) -> Array:
     """Return the robot's forward unit vector (a, b, c).
 
     Args:
@@ -37,7 +44,7 @@ def axis(pitch, yaw):
     return np.stack([np.ones_like(b), b, c], axis=-1) / np.sqrt(1.0 + b * b + c * c)[..., None]
 
 
-def yaw_after_pitch(pitch, yaw):
+def yaw_after_pitch(pitch: ArrayLike, yaw: ArrayLike) -> Array:
     """Return the second rotation [rad] that reaches `yaw` when the robot pitches first.
 
     Args:
@@ -55,7 +62,7 @@ def yaw_after_pitch(pitch, yaw):
     return np.arctan(np.tan(acute("yaw", yaw)) * np.cos(acute("pitch", pitch)))
 
 
-def pitch_after_yaw(pitch, yaw):
+def pitch_after_yaw(pitch: ArrayLike, yaw: ArrayLike) -> Array:
     """Return the second rotation [rad] that reaches `pitch` when the robot yaws first.
 
     Args:
@@ -73,7 +80,7 @@ def pitch_after_yaw(pitch, yaw):
     return np.arctan(np.tan(acute("pitch", pitch)) * np.cos(acute("yaw", yaw)))
 
 
-def implicit_roll(pitch, yaw, *, order="pitch_yaw"):
+def implicit_roll(pitch: ArrayLike, yaw: ArrayLike, *, order: str = "pitch_yaw") -> Array:
     """Return the roll [rad] of a stepwise frame against the direct one, with its sign.
 
     Args:
@@ -103,7 +110,7 @@ def implicit_roll(pitch, yaw, *, order="pitch_yaw"):
     return 2.0 * np.arctan(half)
 
 
-def frame(pitch, yaw, roll=0.0, *, order="direct"):
+def frame(pitch: ArrayLike, yaw: ArrayLike, roll: ArrayLike = 0.0, *, order: str = "direct") -> Array:
     """Return the robot's axes in pipe coordinates.
 
     Args:
@@ -131,7 +138,7 @@ def frame(pitch, yaw, roll=0.0, *, order="direct"):
     return frame_about(n, total)
 
 
-def frame_about(forward, roll):
+def frame_about(forward: Array, roll: ArrayLike) -> Array:
     """Return the direct frame (..., 3, 3) about the forward unit vector (..., 3) with a > -1, then rolled [rad].
 
     >>> frame_about(np.array([1.0, 0.0, 0.0]), 0.0)[0]
@@ -146,7 +153,7 @@ def frame_about(forward, roll):
     return np.stack(rows, axis=-2)
 
 
-def pitch_yaw_roll(frames):
+def pitch_yaw_roll(frames: ArrayLike) -> tuple[Array, Array, Array]:
     """Return the (pitch, yaw, roll) of frames, in the direct order.
 
     Args:

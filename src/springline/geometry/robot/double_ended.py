@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -10,6 +11,13 @@ from springline.errors import ParameterError
 from springline.geometry.checks import choice, finite, positive, require
 from springline.geometry.robot._numeric import jacobian, propagate
 from springline.geometry.robot.section import matrix
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from numpy.typing import ArrayLike, NDArray
+
+    Array = NDArray[np.float64]
 
 MEASURED = ("ring", "pipe")
 
@@ -32,7 +40,16 @@ class DoubleEnded:
     detected: np.ndarray
 
 
-def double_ended(offset_v, offset_h, length, *, measured="ring", roll=0.0, covariance=None, length_sigma=0.0):
+def double_ended(
+    offset_v: ArrayLike,
+    offset_h: ArrayLike,
+    length: ArrayLike,
+    *,
+    measured: str = "ring",
+    roll: ArrayLike = 0.0,
+    covariance: ArrayLike | None = None,
+    length_sigma: ArrayLike = 0.0,
+) -> DoubleEnded:
     """Return pitch and yaw from the difference of the front and rear offsets of a double-ended scanner.
 
     Args:
@@ -84,19 +101,19 @@ def double_ended(offset_v, offset_h, length, *, measured="ring", roll=0.0, covar
     return DoubleEnded(pitch, yaw, spread, detected)
 
 
-def _from_rings(values):
+def _from_rings(values: Array) -> Array:
     v, h, length, roll = np.moveaxis(values, -1, 0)
     cos, sin = np.cos(roll), np.sin(roll)
     return np.stack([np.arctan((cos * v + sin * h) / length), np.arctan((cos * h - sin * v) / length)], axis=-1)
 
 
-def _from_pipe(values):
+def _from_pipe(values: Array) -> Array:
     v, h = values[..., 0] / values[..., 2], values[..., 1] / values[..., 2]
     a = np.sqrt(1.0 - v * v - h * h)
     return np.stack([np.arctan(v / a), np.arctan(h / a)], axis=-1)
 
 
-def _covariance(solve, values, covariance, length_sigma):
+def _covariance(solve: Callable[[Array], Array], values: Array, covariance: Array, length_sigma: Array) -> Array:
     length_sigma = finite("length_sigma", length_sigma)
     if np.any(length_sigma < 0):
         raise ParameterError(f"length_sigma = {np.min(length_sigma):g} is negative", expected="length_sigma >= 0")

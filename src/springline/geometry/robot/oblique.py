@@ -8,13 +8,18 @@ branch or root has to be chosen (errata 2, 13, 16). beta and phi run in the ring
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from springline.errors import ParameterError
 from springline.geometry.checks import finite, positive, require
 from springline.geometry.robot.attitude import frame
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike, NDArray
+
+    Array = NDArray[np.float64]
 
 CIRCLE = 1e-12
 """Relative difference of the form's eigenvalues below which an ellipse is a circle and has no major axis."""
@@ -38,7 +43,7 @@ class Ellipse(NamedTuple):
     beta: np.ndarray
 
 
-def design_matrix(frames):
+def design_matrix(frames: Array) -> Array:
     """Return the matrix that takes (1/r1^2, 1/r2^2) to the ring form (m_zz, m_zy, m_yy).
 
     Args:
@@ -58,7 +63,9 @@ def design_matrix(frames):
     return np.stack([(z3 * z3)[..., ::-1], (z3 * y3)[..., ::-1], (y3 * y3)[..., ::-1]], axis=-2)
 
 
-def oblique_ellipse(r1, r2, pitch, yaw, roll=0.0, *, order="direct"):
+def oblique_ellipse(
+    r1: ArrayLike, r2: ArrayLike, pitch: ArrayLike, yaw: ArrayLike, roll: ArrayLike = 0.0, *, order: str = "direct"
+) -> ObliqueEllipse:
     """Return the ellipse that a tilted ring measures in a straight elliptical pipe.
 
     Args:
@@ -90,7 +97,17 @@ def oblique_ellipse(r1, r2, pitch, yaw, roll=0.0, *, order="direct"):
     return ObliqueEllipse(r1 * r2 / (frames[..., 0, 0] * minor), minor, beta)
 
 
-def ring_cylinder(phi, r1, r2, pitch, yaw, roll=0.0, *, order="direct", offset=(0.0, 0.0)):
+def ring_cylinder(
+    phi: ArrayLike,
+    r1: ArrayLike,
+    r2: ArrayLike,
+    pitch: ArrayLike,
+    yaw: ArrayLike,
+    roll: ArrayLike = 0.0,
+    *,
+    order: str = "direct",
+    offset: tuple[ArrayLike, ArrayLike] = (0.0, 0.0),
+) -> Array:
     """Return the radii of a laser ring in a straight elliptical pipe.
 
     Args:
@@ -130,7 +147,7 @@ def ring_cylinder(phi, r1, r2, pitch, yaw, roll=0.0, *, order="direct", offset=(
     return np.where(half <= 0, (root - half) / square, (1.0 - inside) / (root + half))
 
 
-def conic_to_ellipse(a, b, c, d, e, f):
+def conic_to_ellipse(a: ArrayLike, b: ArrayLike, c: ArrayLike, d: ArrayLike, e: ArrayLike, f: ArrayLike) -> Ellipse:
     """Return the ellipse a z^2 + b zy + c y^2 + d z + e y + f = 0.
 
     Args:
@@ -170,7 +187,7 @@ def conic_to_ellipse(a, b, c, d, e, f):
     return Ellipse(zc, yc, 1.0 / np.sqrt(mean - spread), 1.0 / np.sqrt(mean + spread), beta)
 
 
-def _principal(form):
+def _principal(form: Array) -> tuple[Array, Array, Array]:
     """Return (mean, half difference) of the eigenvalues of (m_zz, m_zy, m_yy) and the bearing of the smaller one."""
     m_zz, m_zy, m_yy = np.moveaxis(form, -1, 0)
     mean, half = (m_zz + m_yy) / 2.0, (m_yy - m_zz) / 2.0

@@ -5,15 +5,22 @@ Lengths in metres (any one unit works), angles in radians, heights positive up.
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 
 from springline.geometry.checks import acute, finite, positive, require
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike, NDArray
+
+    Array = NDArray[np.float64]
 
 _SEVERITY_MAX = (3.0 + 2.0 * np.sqrt(6.0)) / 5.0
 """Where the radicand of (4.3) ends: 3 + 6 s - 5 s^2 = 0."""
 
 
-def deformed_r1(s, *, r=1.0):
+def deformed_r1(s: ArrayLike, *, r: ArrayLike = 1.0) -> Array:
     """Return the horizontal semi-axis of a pipe pressed to the vertical semi-axis s r at constant perimeter.
 
     Args:
@@ -42,7 +49,7 @@ def deformed_r1(s, *, r=1.0):
     return (3.0 - 2.0 * s + np.sqrt(np.maximum(3.0 + 6.0 * s - 5.0 * s * s, 0.0))) * r / 3.0
 
 
-def ride_height(r, *, wheel_radius, half_span=0.0):
+def ride_height(r: ArrayLike, *, wheel_radius: ArrayLike, half_span: ArrayLike = 0.0) -> Array:
     """Return the height of a centred scanner above the wheel axles.
 
     Args:
@@ -68,7 +75,7 @@ def ride_height(r, *, wheel_radius, half_span=0.0):
     return height
 
 
-def offset_deformation(s, *, half_span, r=1.0):
+def offset_deformation(s: ArrayLike, *, half_span: ArrayLike, r: ArrayLike = 1.0) -> Array:
     """Return how far a scanner that is centred in the round pipe sits above the centre of the deformed one.
 
     Args:
@@ -105,7 +112,7 @@ def offset_deformation(s, *, half_span, r=1.0):
     return np.sqrt(r * r - half_span**2) - np.asarray(s, float) * r * drop
 
 
-def offset_pitch(pitch, *, length, height):
+def offset_pitch(pitch: ArrayLike, *, length: ArrayLike, height: ArrayLike) -> Array:
     """Return how far pitching about a wheel lifts the scanner's origin.
 
     Args:
@@ -129,7 +136,7 @@ def offset_pitch(pitch, *, length, height):
     return length * np.sin(pitch) - 2.0 * height * np.sin(pitch / 2.0) ** 2
 
 
-def _half_span(half_span, r):
+def _half_span(half_span: Array, r: Array) -> Array:
     half_span = finite("half_span", half_span)
     require(
         np.isnan(half_span + r) | ((half_span >= 0) & (half_span <= r)),

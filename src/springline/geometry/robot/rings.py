@@ -10,6 +10,7 @@ in the result, with the reason.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -18,6 +19,11 @@ from springline.geometry.checks import choice, finite
 from springline.geometry.robot import _search as search
 from springline.geometry.robot._numeric import jacobian, propagate, whitener
 from springline.geometry.robot.section import form_of, matrix, ring_parameters
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike, NDArray
+
+    Array = NDArray[np.float64]
 
 SOLVE_STATUS = {
     0: "solved",
@@ -71,7 +77,7 @@ class RingsSolution:
         """Whether everything asked for is known."""
         return self.status == 0
 
-    def reason(self, index=()) -> str:
+    def reason(self, index: tuple[int, ...] = ()) -> str:
         """Return in words what became of one set of rings; `index` picks it from a batch."""
         text = SOLVE_STATUS[int(self.status[index])]
         missing = [name for name, seen in zip(PARAMETERS, self.observable[index], strict=True) if not seen]
@@ -79,17 +85,17 @@ class RingsSolution:
 
 
 def solve_rings(
-    rings,
-    steps,
+    rings: ArrayLike,
+    steps: ArrayLike,
     *,
-    guess=None,
-    roll=0.0,
-    unknown_roll=False,
-    increments="angles",
-    covariance=None,
-    angle_limit=ANGLE_LIMIT,
-    radius_limit=RADIUS_LIMIT,
-):
+    guess: ArrayLike | None = None,
+    roll: ArrayLike = 0.0,
+    unknown_roll: bool = False,
+    increments: str = "angles",
+    covariance: ArrayLike | None = None,
+    angle_limit: float = ANGLE_LIMIT,
+    radius_limit: float = RADIUS_LIMIT,
+) -> RingsSolution:
     """Return the robot's attitude and the pipe's semi-axes from two or more rings.
 
     Args:
@@ -144,7 +150,7 @@ def solve_rings(
     return _unpack(parts, flat, batch, scale)
 
 
-def _shapes(rings, steps):
+def _shapes(rings: Array, steps: Array) -> tuple[Array, Array]:
     rings, steps = finite("rings", rings), finite("steps", steps)
     if rings.ndim < 2 or rings.shape[-1] != 3 or rings.shape[-2] < 2:
         raise ParameterError(
@@ -162,7 +168,7 @@ def _shapes(rings, steps):
     return np.broadcast_to(rings, shape), np.broadcast_to(steps, shape)
 
 
-def _weights(relative, covariance, scale):
+def _weights(relative: Array, covariance: ArrayLike | None, scale: Array) -> Array:
     """Return the whitener of the forms' entries (..., n, 3, 3)."""
     if covariance is None:
         return np.broadcast_to(np.diag(np.sqrt([1.0, 2.0, 1.0])), (*relative.shape[:-1], 3, 3))
@@ -177,7 +183,7 @@ def _weights(relative, covariance, scale):
     return weights
 
 
-def _guess(guess, unknown_roll):
+def _guess(guess: ArrayLike | None, unknown_roll: bool) -> Array | None:
     if guess is None:
         return None
     guess = finite("guess", guess)
@@ -193,7 +199,9 @@ def _guess(guess, unknown_roll):
     return guess[..., :size]
 
 
-def _assess(problem, found, limits, *, noisy, guessed):
+def _assess(
+    problem: search.Problem, found: search.Found, limits: Array, *, noisy: bool, guessed: bool
+) -> tuple[Array, ...]:
     """Return what is known of what was found: values, covariance, observable, misfit, roots, status."""
     from scipy.special import chdtri
 
@@ -233,7 +241,7 @@ def _assess(problem, found, limits, *, noisy, guessed):
     return values, covariance, observable, found.misfit, found.roots, status
 
 
-def _unpack(parts, flat, batch, scale):
+def _unpack(parts: tuple[Array, ...], flat: Array, batch: tuple[int, ...], scale: Array) -> RingsSolution:
     """Return the RingsSolution of the whole batch, in metres, missing sets included."""
     values, covariance, observable, misfit, roots, status = (
         _spread(part, flat, batch, fill)
@@ -245,7 +253,7 @@ def _unpack(parts, flat, batch, scale):
     return RingsSolution(*np.moveaxis(values, -1, 0), covariance, observable, misfit, roots, status)
 
 
-def _spread(part, flat, batch, fill):
+def _spread(part: Array, flat: Array, batch: tuple[int, ...], fill: float) -> Array:
     whole = np.full((flat.size, *part.shape[1:]), fill, dtype=part.dtype)
     whole[flat] = part
     return whole.reshape((*batch, *part.shape[1:]))

@@ -9,6 +9,7 @@ parameters of `conventions.SECTION_PARAMETERS`: unlike those of (A, B, beta) the
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -17,6 +18,11 @@ from springline.geometry.checks import finite, positive, require
 from springline.geometry.robot._numeric import jacobian, propagate, whitener
 from springline.geometry.robot.attitude import frame
 from springline.geometry.robot.oblique import design_matrix
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike, NDArray
+
+    Array = NDArray[np.float64]
 
 _ROTATION_INVARIANT = np.sqrt(np.array([1.0, 2.0, 1.0]))
 """Weights under which the three entries' norm is the form's Frobenius norm: m_zy stands in it twice."""
@@ -39,7 +45,7 @@ class RingSection:
     covariance: np.ndarray
 
 
-def ring_covariance(noise, readings):
+def ring_covariance(noise: ArrayLike, readings: ArrayLike) -> Array:
     """Return the covariance of (mean_radius, oval_cos, oval_sin) of an ellipse fitted to a full ring.
 
     Args:
@@ -62,7 +68,7 @@ def ring_covariance(noise, readings):
     return (noise * noise / readings)[..., None, None] * np.diag([1.0, 2.0, 2.0])
 
 
-def ring_parameters(major, minor, beta):
+def ring_parameters(major: ArrayLike, minor: ArrayLike, beta: ArrayLike) -> Array:
     """Return (mean_radius, oval_cos, oval_sin) of an ellipse, (..., 3); `beta` may be NaN where major == minor.
 
     >>> ring_parameters(1.1, 0.9, np.pi / 2).round(12) + 0.0
@@ -75,7 +81,7 @@ def ring_parameters(major, minor, beta):
     return np.stack([(major + minor) / 2.0, half * np.cos(2.0 * beta), half * np.sin(2.0 * beta)], axis=-1)
 
 
-def form_of(parameters):
+def form_of(parameters: Array) -> Array:
     """Return the ring form (m_zz, m_zy, m_yy), (..., 3), of (mean_radius, oval_cos, oval_sin); smooth at a circle.
 
     >>> form_of(np.array([2.0, 0.0, 0.0]))
@@ -89,8 +95,17 @@ def form_of(parameters):
 
 
 def section_from_ring(
-    major, minor, beta, pitch, yaw, roll=0.0, *, order="direct", covariance=None, attitude_covariance=None
-):
+    major: ArrayLike,
+    minor: ArrayLike,
+    beta: ArrayLike,
+    pitch: ArrayLike,
+    yaw: ArrayLike,
+    roll: ArrayLike = 0.0,
+    *,
+    order: str = "direct",
+    covariance: ArrayLike | None = None,
+    attitude_covariance: ArrayLike | None = None,
+) -> RingSection:
     """Return the semi-axes of a straight pipe from the ellipse that one ring measured, the attitude being known.
 
     Args:
@@ -139,7 +154,7 @@ def section_from_ring(
     return RingSection(found[..., 0], found[..., 1], found[..., 2], result)
 
 
-def _semi_axes(form, design, weights):
+def _semi_axes(form: Array, design: Array, weights: Array) -> Array:
     left, right = weights @ design, (weights @ form[..., None])[..., 0]
     normal = np.swapaxes(left, -1, -2) @ left
     curvature = np.linalg.solve(normal, np.swapaxes(left, -1, -2) @ right[..., None])[..., 0]
@@ -150,7 +165,7 @@ def _semi_axes(form, design, weights):
     return np.stack([r1, r2, inconsistency], axis=-1)
 
 
-def _weights(ring, covariance):
+def _weights(ring: Array, covariance: ArrayLike | None) -> Array:
     """Return weights (..., 3, 3) of the form's entries: from the covariance, else rotation-invariant."""
     if covariance is None:
         return np.diag(_ROTATION_INVARIANT)
@@ -167,7 +182,7 @@ def _weights(ring, covariance):
     return weights
 
 
-def _input_covariance(shape, covariance, attitude_covariance):
+def _input_covariance(shape: tuple[int, ...], covariance: ArrayLike | None, attitude_covariance: Array) -> Array | None:
     if covariance is None and attitude_covariance is None:
         return None
     total = np.zeros((*shape, 6, 6))
@@ -178,7 +193,7 @@ def _input_covariance(shape, covariance, attitude_covariance):
     return total
 
 
-def matrix(name, value, size):
+def matrix(name: str, value: ArrayLike, size: int) -> Array:
     """Return `value` as (..., size, size) floats; refuse any other shape."""
     value = np.asarray(value, dtype=float)
     if value.shape[-2:] != (size, size):
