@@ -18,7 +18,7 @@ def _excess(amplitude, point, sigmas, table, step, work):
     work[0, 2] = 0.5 * (wide + narrow)
     work[0, 3] = 0.5 * (wide - narrow)
     ellipse_feet(point[0:1], point[1:2], 1, work[0], work[1], work[3:8], work[2])
-    place = amplitude / sqrt(sigmas[0] * sigmas[1]) / step
+    place = amplitude / sigmas[2] / step
     k = min(int(place), table.size - 2)
     part = min(place - k, 1.0)
     return abs(work[1, 0]) - (table[k] * (1.0 - part) + table[k + 1] * part)
@@ -46,7 +46,7 @@ def _crossing(inside, outside, point, sigmas, table, step, work):
             if side == 2:
                 at_inside *= 0.5
             side = 2
-        if abs(value) < 1e-10:
+        if abs(value) < 1e-8:
             return middle
     return inside
 
@@ -56,7 +56,7 @@ def amplitude_ends(vector, covariance, table, step, ends):
     """Write the lower and upper end of each amplitude's interval; `table` holds critical distances every `step`."""
     work = np.zeros((8, 5))
     point = np.empty(2)
-    sigmas = np.empty(2)
+    sigmas = np.empty(3)
     for i in range(len(vector)):
         u, v = vector[i, 0], vector[i, 1]
         uu, vv, uv = covariance[i, 0, 0], covariance[i, 1, 1], 0.5 * (covariance[i, 0, 1] + covariance[i, 1, 0])
@@ -76,9 +76,13 @@ def amplitude_ends(vector, covariance, table, step, ends):
         point[0] = (cos * v - sin * u) / sigmas[1]
         point[1] = (cos * u + sin * v) / sigmas[0]
         length = sqrt(u * u + v * v)
+        distance = sqrt(point[0] ** 2 + point[1] ** 2)
+        # the sigma at which the distance falls as the circle opens: with it the lower end leaves zero smoothly
+        slope = sqrt((point[0] / sigmas[1]) ** 2 + (point[1] / sigmas[0]) ** 2)
+        sigmas[2] = distance / slope if slope > 0.0 else sigmas[0]
         beyond = length + (table[0] + 0.01) * sigmas[0]
         least = 1e-9 * sigmas[1]
         ends[i, 0] = 0.0
-        if sqrt(point[0] ** 2 + point[1] ** 2) > table[0]:
+        if distance > table[0]:
             ends[i, 0] = _crossing(length, least, point, sigmas, table, step, work)
         ends[i, 1] = _crossing(max(length, least), beyond, point, sigmas, table, step, work)

@@ -76,10 +76,7 @@ def run(
     rings, points = shape
     weights, keep = options.weights, options.keep_weights
     if weights is not None:
-        weights = np.asarray(weights)
-        if weights.ndim > 2 or np.broadcast_shapes(weights.shape, shape) != shape:
-            raise ParameterError(f"weights has shape {weights.shape}", expected=f"one that broadcasts to {shape}")
-        weights = np.broadcast_to(weights, shape)
+        weights = _spread(np.asarray(weights), shape)
     par, cov, out = np.empty((rings, size)), np.empty((rings, size, size)), np.empty((rings, 2))
     used, status = np.empty(rings, np.int64), np.empty(rings, np.uint8)
     omega = np.zeros(shape, np.float32) if keep else np.zeros((1, 1), np.float32)
@@ -123,21 +120,27 @@ def fit(size: int, source: tuple, options: Resolved) -> dict[str, NDArray | str 
     def geometric(*arrays):
         _geometric.fit_rings(size, options.robust, options.noise, *limits, *arrays)
 
-    def algebraic(z, y, weight, weighted, *rest):
+    def algebraic(z, y, weight, weighted, keep, par, cov, out, used, status, omega):
         if options.robust:
-            weight, weighted = _inliers(geometric, size, z, y, weight, weighted), True
-        _algebraic.fit_rings(size, options.method_number, *limits, z, y, weight, weighted, *rest)
+            inlier = np.zeros(z.shape, np.float32)
+            geometric(z, y, weight, weighted, True, par, cov, out, used, status, inlier)
+            failed, why, seen = status != 0, status.copy(), used.copy()
+            weight, weighted = np.where(inlier > 0, weight, 0.0), True
+        results = par, cov, out, used, status, omega
+        _algebraic.fit_rings(size, options.method_number, *limits, z, y, weight, weighted, keep, *results)
+        if options.robust:
+            # where no inliers could be told, no fit of all readings takes their place
+            status[failed], used[failed] = why[failed], seen[failed]
 
     kernel = geometric if options.method == "geometric" else algebraic
     return run(kernel, source, size, options)
 
 
-def _inliers(geometric: Callable, size: int, z: NDArray, y: NDArray, weight: NDArray, weighted: bool) -> NDArray:
-    """Return the weights of the readings that the robust geometric fit keeps, zero for the others."""
-    rings, omega = len(z), np.zeros(z.shape, np.float32)
-    arrays = np.empty((rings, size)), np.empty((rings, size, size)), np.empty((rings, 2))
-    geometric(z, y, weight, weighted, True, *arrays, np.empty(rings, np.int64), np.empty(rings, np.uint8), omega)
-    return np.where(omega > 0, weight, 0.0)
+def _spread(weights: NDArray, shape: tuple[int, int]) -> NDArray:
+    try:
+        return np.broadcast_to(weights, shape)
+    except ValueError:
+        raise ParameterError(f"weights has shape {weights.shape}", expected=f"one that broadcasts to {shape}") from None
 
 
 def _cores() -> int:

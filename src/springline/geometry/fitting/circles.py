@@ -28,7 +28,7 @@ def fit_circles(z: ArrayLike, y: ArrayLike, **options: Unpack[FitOptions]) -> Ci
     Raises:
         ParameterError: A shape, an option or a name does not fit.
 
-    Source: section 2.9.1 with errata A10 and A17; Pratt and Taubin after Chernov, Circular and Linear Regression (2010).
+    Source: section 2.9.1, errata A10 and A17; Pratt and Taubin after Chernov, Circular and Linear Regression (2010).
 
     >>> import numpy as np
     >>> bearings = np.radians(np.arange(0, 360, 10))
