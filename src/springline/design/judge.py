@@ -5,6 +5,8 @@ from __future__ import annotations
 import json
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from springline.design.acceptance import evaluate
 from springline.design.rule import Rule, load_rule
 from springline.errors import ContractError
@@ -22,7 +24,7 @@ def judge(survey: Survey, rules: Iterable[Rule | str]) -> Survey:
     """Return the survey with the verdicts of rules in its attribute `rules`.
 
     Args:
-        survey: With `/metrics`.
+        survey: With `/section` and `/metrics`; stations flagged `unlike_neighbours` are not assessed.
         rules: Rules, names of rules that come with the program, or paths of TOML files.
 
     Raises:
@@ -31,6 +33,7 @@ def judge(survey: Survey, rules: Iterable[Rule | str]) -> Survey:
     """
     metrics = survey.metrics
     reference = metrics.attrs["reference_kind"]
+    unlike = np.char.find(survey.section["flags"].values.astype(str), "unlike_neighbours") >= 0
     verdicts = []
     for given in rules:
         rule = given if isinstance(given, Rule) else load_rule(given)
@@ -41,7 +44,7 @@ def judge(survey: Survey, rules: Iterable[Rule | str]) -> Survey:
             raise ContractError(f"'{rule.quantity}' is not among the metrics", where=f"rule {rule.name}")
         found = evaluate(
             rule,
-            metrics[rule.quantity].values,
+            np.where(unlike, np.nan, metrics[rule.quantity].values),
             metrics[f"{rule.quantity}_sigma"].values,
             chainage=metrics["chainage"].values,
             reference=None if reference == "none" else reference,

@@ -94,6 +94,14 @@ class Results:
         """Return a variable of `/metrics`."""
         return self.station("metrics", variable)
 
+    def judged(self, variable: str, group: str = "metrics") -> np.ndarray:
+        """Return a variable of the stations that speak for the pipe, NaN at those flagged `unlike_neighbours`."""
+        values = self.station(group, variable)
+        if not self.survey.has("section") or "flags" not in self.survey.section:
+            return values
+        flagged = np.char.find(self.survey.section["flags"].values.astype(str), "unlike_neighbours") >= 0
+        return np.where(flagged, np.nan, values)
+
     def metrics_attr(self, name: str) -> float:
         """Return a number among the attributes of `/metrics`, NaN when it is not there."""
         value = self.survey.metrics.attrs.get(name)

@@ -18,8 +18,9 @@ if TYPE_CHECKING:
 def summary(survey: Survey) -> dict[str, Any]:
     """Return the content of `summary.json`; None where a value is not available.
 
-    Lengths of coverage: `unseen_m` is the length of stations under 50 % coverage and of gaps of more than three
-    spacings between stations. `features` is how many were found, None when nobody looked for any.
+    Largest values leave out stations flagged `unlike_neighbours`. `unseen_m` is the length of stations under 50 %
+    coverage and of gaps of more than three spacings between stations. `features` is how many were found, None when
+    nobody looked for any.
 
     Args:
         survey: A finished survey.
@@ -28,7 +29,7 @@ def summary(survey: Survey) -> dict[str, Any]:
         ContractError: The survey is not finished.
     """
     results = Results(survey)
-    ovality, deflection, loss = (results.metric(name) for name in ("ovality_polar", "deflection", "area_loss"))
+    ovality, deflection, loss = (results.judged(name) for name in ("ovality_polar", "deflection", "area_loss"))
     most_oval, most_deflected, most_lost = (worst_station(values) for values in (ovality, deflection, loss))
     coverage = results.coverage
     return {

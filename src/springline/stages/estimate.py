@@ -10,6 +10,7 @@ import xarray as xr
 
 from ..conventions import FIT_STATUS, POSE_TERMS, SECTION_PARAMETERS
 from ..errors import InputError
+from ..geometry.cleaning import unlike_both_sides
 from ..geometry.deviation import radial_deviation, smoothed_extremes
 from ..geometry.fitting import fit_ellipses_to_ranges
 from ..geometry.fitting.modes import CLASSES, select_modes
@@ -53,10 +54,11 @@ def estimate(survey: Survey, config: Config) -> Survey:
             expected="readings of the wall over a quarter of the circumference or more",
             mend="check unit, --nominal and the clean settings",
         )
+    found["unlike"] = _unlike(rings, found)
     scale, source = _scale(survey, config)
     section = _section(rings, mask, found)
     section.attrs = {"model": "ellipse", "range_scale_sigma": scale, "range_scale_source": source}
-    survey = _explain(survey, found["status"])
+    survey = _explain(survey, found["status"], found["unlike"])
     return survey.with_group("pose", _pose(rings, found)).with_group("section", section)
 
 
@@ -107,7 +109,7 @@ def _section(rings: xr.Dataset, mask: xr.Dataset, found: dict[str, np.ndarray]) 
         "status": found["status"],
         **{name: found[name] for name in (*_PER_STATION, *_DEVIATIONS, "mode_probability")},
         "mode": np.where(found["status"] == 0, np.array([*CLASSES, "undecided"])[found["mode"]], ""),
-        "flags": np.where(found["inverted"], "inverted", ""),
+        "flags": _flags(inverted=found["inverted"], unlike_neighbours=found["unlike"]),
     }
     for column, name in enumerate(_SEVERITIES):
         columns[name] = found["severities"][:, column]
@@ -120,6 +122,27 @@ def _section(rings: xr.Dataset, mask: xr.Dataset, found: dict[str, np.ndarray]) 
         },
         coords={"parameter": list(SECTION_PARAMETERS), "parameter_2": list(SECTION_PARAMETERS)},
     )
+
+
+def _unlike(rings: xr.Dataset, found: dict[str, np.ndarray]) -> np.ndarray:
+    """Return which stations differ from the pipe within half a diameter on both sides."""
+    shape = found["parameters"][:, 2:]
+    if rings.sizes["ring"] < 3:
+        return np.zeros(len(shape), bool)
+    spacing = float(np.median(np.diff(rings["distance"].values)))
+    window = int(np.clip(round(2.0 * np.nanmedian(shape[:, 0]) / spacing), 5, 201))
+    sigma = np.sqrt(np.einsum("kii->ki", found["covariance"][:, 2:, 2:]))
+    return unlike_both_sides(shape, sigma, window=window)
+
+
+def _flags(**named: np.ndarray) -> np.ndarray:
+    """Return the names of the flags that each station carries, separated by spaces."""
+    words = [np.where(flag, name, "") for name, flag in named.items()]
+    joined = words[0]
+    for word in words[1:]:
+        gap = np.where((joined != "") & (word != ""), " ", "")
+        joined = np.char.add(np.char.add(joined, gap), word)
+    return joined
 
 
 def _pose(rings: xr.Dataset, found: dict[str, np.ndarray]) -> xr.Dataset:
@@ -159,7 +182,13 @@ def _scale(survey: Survey, config: Config) -> tuple[float, str]:
     return config.sensor.scale_sigma.of(kind), f"default for a sensor of kind {kind}"
 
 
-def _explain(survey: Survey, status: np.ndarray) -> Survey:
+def _explain(survey: Survey, status: np.ndarray, unlike: np.ndarray) -> Survey:
+    if unlike.any():
+        survey = add_warning(
+            survey,
+            f"{unlike.sum()} of {len(status)} stations differ from the pipe on both sides of them (joints, or misread "
+            "rings); they are flagged unlike_neighbours and left out of largest values and verdicts.",
+        )
     without = int((status != 0).sum())
     if without:
         codes, counts = np.unique(status[status != 0], return_counts=True)

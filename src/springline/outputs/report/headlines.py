@@ -55,7 +55,7 @@ def _mean_diameter(results: Results) -> Headline:
 
 
 def _ovality(results: Results) -> Headline:
-    values = results.metric("ovality_polar") * 1e2
+    values = results.judged("ovality_polar") * 1e2
     at = worst_station(values)
     if at is None:
         return Headline("Largest ovality", "–", "%", note="No station has a section.")
@@ -67,7 +67,7 @@ def _ovality(results: Results) -> Headline:
 
 
 def _largest_of(results: Results, variable: str, label: str, otherwise: str) -> Headline:
-    values = results.metric(variable) * 1e2
+    values = results.judged(variable) * 1e2
     at = worst_station(values)
     if at is None:
         return Headline(label, "–", "%", note=otherwise)
@@ -80,7 +80,7 @@ def _largest_of(results: Results, variable: str, label: str, otherwise: str) -> 
 
 def _deepest(results: Results) -> Headline:
     label = "Deepest local dent or deposit"
-    inward = -results.station("section", "deviation_in") * 1e3
+    inward = -results.judged("deviation_in", "section") * 1e3
     at = worst_station(inward)
     if at is None:
         return Headline(label, "–", "mm", note="Not assessed.")

@@ -74,10 +74,10 @@ def _placed(chainage: float, sigma: float) -> str:
 
 
 def _severity(results: Results) -> tuple[np.ndarray, str]:
-    deflection = results.metric("deflection")
+    deflection = results.judged("deflection")
     if np.isfinite(deflection).any():
         return deflection, "deflection"
-    return results.metric("ovality_polar"), "ovality"
+    return results.judged("ovality_polar"), "ovality"
 
 
 def worst_stations(results: Results) -> tuple[list[int], str]:
