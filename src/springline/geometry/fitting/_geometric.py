@@ -7,6 +7,7 @@ from math import sqrt
 import numpy as np
 from numba import njit
 
+from springline.geometry.fitting._bias import mean_gradient_along_rays, mean_gradient_isotropic
 from springline.geometry.fitting._judge import (
     ARC_BINS,
     COLLINEAR,
@@ -34,32 +35,6 @@ ROBUST_TOLERANCE = 1e-4
 """Length of the last robust step in sigmas of the parameters; each step is a small fraction of the one before."""
 
 PLAIN_TOLERANCE = 1e-9
-
-
-@njit(cache=True, nogil=True, error_model="numpy", fastmath=FAST)
-def _noise_bias(p, z, y, n, par, jacobian, variance, origin_z, origin_y, along_rays, bias):
-    """Write the mean distance that noise alone gives each reading: variance times half the wall's curvature.
-
-    Only the part of the noise along the wall bends away from it: all of it when isotropic, the square of the ray's
-    sine to the normal when the noise lies along the ray from the origin.
-    """
-    mean = par[2]
-    u = par[3] if p == 5 else 0.0
-    v = par[4] if p == 5 else 0.0
-    product = mean * mean - u * u - v * v
-    for i in range(n):
-        nz = jacobian[0, i]
-        ny = jacobian[1, i]
-        # the support function h has h^2 = m^2 + d^2 + 2 m d cos 2(normal - phi), and curvature is h^3/(a b)^2
-        support2 = mean * mean + u * u + v * v + 2.0 * mean * (u * (nz * nz - ny * ny) + 2.0 * v * nz * ny)
-        curvature = support2 * sqrt(support2) / (product * product)
-        part = 1.0
-        if along_rays:
-            rz = z[i] - origin_z
-            ry = y[i] - origin_y
-            cross = rz * ny - ry * nz
-            part = cross * cross / (rz * rz + ry * ry + 1e-300)
-        bias[i] = 0.5 * variance * curvature * part
 
 
 @njit(cache=True, nogil=True, error_model="numpy", fastmath=FAST)
@@ -141,10 +116,12 @@ def _fit_one(
         if sigma > most_scatter * par[2] or 2.0 * sums[USED] < n:
             return SCATTERED
         if noise != ORTHOGONAL:
-            bias = rows[2]
-            origin_z, origin_y = -mean_z / scale, -mean_y / scale
-            _noise_bias(p, z, y, n, par, jacobian, sigma * sigma, origin_z, origin_y, noise == RANGE, bias)
-            gram(p, n, jacobian, bias, omega, product, normal, vector)
+            if noise == RANGE:
+                mean_gradient_along_rays(p, z, y, omega, n, par, jacobian, -mean_z / scale, -mean_y / scale, vector)
+            else:
+                mean_gradient_isotropic(p, omega, n, par, jacobian, vector)
+            for a in range(p):
+                vector[a] *= sigma * sigma
             substitute(low, p, vector, vector)
             for a in range(p):
                 par[a] -= vector[a]
