@@ -133,6 +133,14 @@ class ChicurelLobe:
         low, high = (np.arctan2(r2 * np.sin(t), r1 * np.cos(t)) for t in (centre - half, centre + half))
         return low, low + (high - low) % (2 * np.pi)
 
+    def knees(self, r1: ArrayLike, r2: ArrayLike) -> tuple[Array, ...]:
+        """Return the bearings of the points of inflection, where a ray comes closest to grazing the lobe [rad]."""
+        u = chicurel_u(self.k)
+        x = 0.5 * np.pi * self.k / u
+        half = np.arctan2(x, _w(self.k) + shape(x, self.k, u)[0])
+        centre = self._centre(r1, r2)
+        return tuple(np.arctan2(r2 * np.sin(t), r1 * np.cos(t)) for t in (centre - half, centre + half))
+
     def covers(self, bearing: Array, r1: ArrayLike, r2: ArrayLike) -> NDArray[np.bool_]:
         """Return whether the lobe stands at each bearing."""
         return np.abs(self._offset(bearing, r1, r2)) <= np.arcsin(self.k)

@@ -97,8 +97,9 @@ class LinedSection(Liner):
         return np.sort(np.stack(np.broadcast_arrays(*places), axis=-1) % (2 * np.pi), axis=-1)
 
     def _panels(self) -> Array:
-        quadrants = np.broadcast_to(np.arange(4) * (np.pi / 2), (*self.shape, 4))
-        return np.sort(np.concatenate([self.breaks, quadrants], axis=-1), axis=-1)
+        places = [*np.arange(4) * (np.pi / 2), *(k for lobe in self.lobes for k in lobe.knees(self.r1, self.r2))]
+        further = np.stack([np.broadcast_to(p, self.shape) for p in places], axis=-1) % (2 * np.pi)
+        return np.sort(np.concatenate([self.breaks, further], axis=-1), axis=-1)
 
     def _radius(self, bearing: Array) -> Array:
         return self._evaluate(bearing)[0]

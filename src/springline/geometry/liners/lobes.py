@@ -35,6 +35,9 @@ class LobeOfAnyKind(Protocol):
     def edges(self, r1: ArrayLike, r2: ArrayLike) -> tuple[Array, Array]:
         """Return the bearings of the two edges, the second counter-clockwise of the first [rad]."""
 
+    def knees(self, r1: ArrayLike, r2: ArrayLike) -> tuple[Array, ...]:
+        """Return further bearings at which an integration along the lobe had better pause [rad]."""
+
     def covers(self, bearing: Array, r1: ArrayLike, r2: ArrayLike) -> NDArray[np.bool_]:
         """Return whether the lobe stands at each bearing."""
 
@@ -70,6 +73,10 @@ class PolarLobe(ABC):
     def edges(self, r1: ArrayLike, r2: ArrayLike) -> tuple[Array, Array]:
         """Return the bearings of the two edges, the second counter-clockwise of the first [rad]."""
         return self.bearing - self.phi, self.bearing + self.phi
+
+    def knees(self, r1: ArrayLike, r2: ArrayLike) -> tuple[Array, ...]:
+        """Return no further bearings: a polar lobe is smooth on either side."""
+        return ()
 
     def covers(self, bearing: Array, r1: ArrayLike, r2: ArrayLike) -> NDArray[np.bool_]:
         """Return whether the lobe stands at each bearing."""

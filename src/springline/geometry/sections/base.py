@@ -122,6 +122,11 @@ class Section(ABC):
         """(*S, P): bearings of hinges, corners, lobe edges and other joints, ascending within one turn [rad]."""
         return self._breaks()
 
+    @cached_property
+    def panels(self) -> Array:
+        """(*S, P): bearings between which the radius is easy to integrate: the breaks and, at need, more [rad]."""
+        return self._panels()
+
     def polar_radius(self, bearing: ArrayLike) -> Array:
         """Return the distance from O to the contour at each bearing [rad]."""
         return self._along(self._radius, bearing)
@@ -266,7 +271,7 @@ class Section(ABC):
 
     def _integral(self, integrand: Callable[[Array, Array], Array]) -> Array:
         """Return the integral over one turn of integrand(theta, r)."""
-        theta, weight = spread(self._panels())
+        theta, weight = spread(self.panels)
         return np.sum(weight * integrand(theta, self._radius(theta)), axis=-1)
 
     def _support(self, direction: Array) -> Array:

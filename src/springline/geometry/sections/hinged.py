@@ -209,7 +209,7 @@ class HingedSection(Section):
         from . import kernels
 
         out = np.empty(self.r.size)
-        kernels.mean_radius(self._table.reshape(-1, 12), *quadrature.rule(60), out)
+        kernels.mean_radius(self._table.reshape(-1, 12), *quadrature.rule(), out)
         return out.reshape(self.shape) * self.r
 
     def _hull_perimeter(self) -> Array:

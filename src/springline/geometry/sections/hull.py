@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
     Array = NDArray[np.float64]
 
-_STEPS = 512  # per piece between breaks; the bridge's foot is off by a step at most, the length by its cube
+_STEPS = 512  # per panel; the bridge's foot is off by a step at most, the length by its cube
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(6)
 
 
@@ -29,7 +29,7 @@ def perimeter(section: Section) -> Array:
     """
     from . import kernels
 
-    breaks = section.breaks
+    breaks = section.panels
     span = np.diff(breaks, axis=-1, append=breaks[..., :1] + 2 * np.pi)
     steps = breaks[..., None] + span[..., None] * (np.arange(_STEPS) / _STEPS)
     theta = steps.reshape(*breaks.shape[:-1], -1)

@@ -109,7 +109,12 @@ def _ray(c, v, a, b, s, sin_a, cos_a):
     half = (px / a) * ex + (py / b) * ey
     constant = s * (s * ((sin_a / a) ** 2 + (cos_a / b) ** 2) - 2.0 * cos_a / b)
     root = math.sqrt(max(half * half - square * constant, 0.0))
-    t = (root - half) / square if half < 0.0 else -constant / (root + half)
+    if half < 0.0:
+        t = (root - half) / square
+    elif root + half == 0.0:
+        t = 0.0
+    else:
+        t = -constant / (root + half)
     return t, px + t * ux, py + t * uy, ux, uy
 
 
@@ -138,7 +143,8 @@ def polar(bearing, hinges, radius, slope, curvature):
             if wanted:
                 nx, ny = x / (a * a), y / (b * b)
                 turned_x, turned_y = cos_a * v - sin_a * c, sin_a * v + cos_a * c
-                folded = -t * (nx * turned_x + ny * turned_y) / (nx * ux + ny * uy)
+                # where the crown lies on O the radius is zero on all bearings up to the knee
+                folded = 0.0 if t == 0.0 else -t * (nx * turned_x + ny * turned_y) / (nx * ux + ny * uy)
                 slope[i, j] = folded if (cos >= 0.0) == (sin >= 0.0) else -folded
                 curvature[i, j] = 1.0 / (a * a * b * b * (nx * nx + ny * ny) ** 1.5)
 
@@ -293,32 +299,36 @@ def hull_length(z, y, length, out):
         z, y: (N, M): samples in order of bearing.
         length: (N, M): the curve's length from each sample to the next.
     """
-    sections, samples = z.shape
-    kept = np.empty(samples + 1, np.int64)
+    sections, every = z.shape
+    solid, kept = np.empty(every, np.int64), np.empty(every + 1, np.int64)
     for i in range(sections):
-        first, farthest = 0, -1.0
-        for j in range(samples):
-            reach = z[i, j] ** 2 + y[i, j] ** 2
-            if reach > farthest:
-                first, farthest = j, reach
-        if not farthest > 0.0:
+        samples, first, farthest = 0, 0, -1.0
+        for j in range(every):
+            if length[i, j] > 0.0:  # a sample on top of the next one says nothing
+                reach = z[i, j] ** 2 + y[i, j] ** 2
+                if reach > farthest:
+                    first, farthest = samples, reach
+                solid[samples] = j
+                samples += 1
+        if samples == 0:
             out[i] = np.nan
             continue
         top = 0
         for step in range(samples + 1):
-            j = (first + step) % samples
+            place = (first + step) % samples
+            j = solid[place]
             while top > 1:
-                k, m = kept[top - 1], kept[top - 2]
+                k, m = solid[kept[top - 1]], solid[kept[top - 2]]
                 turn = (z[i, k] - z[i, m]) * (y[i, j] - y[i, k]) - (y[i, k] - y[i, m]) * (z[i, j] - z[i, k])
                 if turn > 0.0:
                     break
                 top -= 1
-            kept[top] = j
+            kept[top] = place
             top += 1
         total = 0.0
         for n in range(top - 1):
-            j, k = kept[n], kept[n + 1]
-            if (k - j) % samples == 1:
+            j, k = solid[kept[n]], solid[kept[n + 1]]
+            if (kept[n + 1] - kept[n]) % samples == 1:
                 total += length[i, j]
             else:
                 total += math.hypot(z[i, k] - z[i, j], y[i, k] - y[i, j])

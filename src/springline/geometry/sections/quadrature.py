@@ -20,7 +20,7 @@ _REACH = 3.15  # where the weights fall below the last bit of the largest
 
 
 @lru_cache(maxsize=8)
-def rule(half: int = 40) -> tuple[Array, Array]:
+def rule(half: int = 60) -> tuple[Array, Array]:
     """Return nodes in [0, 1] and weights of the double-exponential (tanh-sinh) rule with 2 half + 1 nodes.
 
     Smooth integrands come out to about 1e-14 of their size; algebraic or logarithmic ends cost nothing.
@@ -40,7 +40,7 @@ def rule(half: int = 40) -> tuple[Array, Array]:
     return node, weight
 
 
-def spread(breaks: Array, half: int = 40) -> tuple[Array, Array]:
+def spread(breaks: Array, half: int = 60) -> tuple[Array, Array]:
     """Return bearings and weights for one turn, piece by piece between the breaks.
 
     Args:

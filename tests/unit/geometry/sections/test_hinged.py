@@ -137,6 +137,7 @@ def test_stations_without_a_section_stay_unknown():
     assert np.isfinite(batch.area[0])
     assert np.isnan(batch.area[1])
     assert np.isnan(batch.polar_radius([0.0, 1.0])[1]).all()
+    assert np.isnan(batch.polar_slope([0.0, 1.0])[1]).all()
     assert np.isnan(batch.diameters.caliper[1])
     low, _ = s1_limits(5, 0.8, [0.6, np.nan])
     assert np.isnan(low[1])
