@@ -168,6 +168,10 @@ _RING_ATTRIBUTES = (
     ("bearing_sense", "ccw or cw, looking forward"),
     ("bearing_assumed", "1 when zero and sense were assumed, 0 when the file or the user stated them"),
     ("range_noise", "one-sigma of a reading [m], when known"),
+    ("range_max", "longest range that the sensor reports [m], when known"),
+    ("position_x", "sensor's origin ahead of the point whose way the odometer counts [m], when known"),
+    ("position_y", "sensor's origin above that point, in robot axes [m], when known"),
+    ("position_z", "sensor's origin to the right of that point, in robot axes [m], when known"),
 )
 
 _METRICS = (

@@ -7,7 +7,9 @@ spoil them. What was true goes into `/truth`, which no stage reads.
 
 from __future__ import annotations
 
+import sys
 from importlib import import_module
+from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
@@ -33,3 +35,13 @@ def __getattr__(name: str) -> Any:
         globals()[name] = value
         return value
     raise AttributeError(f"module '{__name__}' has no attribute '{name}'")
+
+
+class _Callable(ModuleType):
+    """This package, callable: once imported, it stands in `springline` under the promised function's own name."""
+
+    def __call__(self, *args: Any, **options: Any) -> Any:
+        return __getattr__("simulate")(*args, **options)
+
+
+sys.modules[__name__].__class__ = _Callable

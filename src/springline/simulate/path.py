@@ -1,9 +1,10 @@
 """Where the robot is and how it lies, for every chainage that it travels.
 
 Travelled chainage u runs from where the robot enters, whichever end that is; the **travel frame** is the local pipe
-frame seen along travel (turned half round about its y when driving from the pipe's end). Both axles ride on a guide:
-the axis plus prescribed offsets, or the wheels' true contact with the wall, smoothed over the wheels; the body lies
-along their chord. The result is a spline, so that rates and accelerations are those of one and the same motion.
+frame seen along travel (turned half round about its y when driving from the pipe's end). A prescribed path is the
+axis, eased over the wheelbase, plus stated offsets; a robot that follows points along it. A kinematic path has both
+axles ride on the true wall, eased over the wheels, and the body lie along their chord. The result is a spline, so that
+rates and accelerations are those of one and the same motion.
 """
 
 from __future__ import annotations
@@ -19,7 +20,7 @@ from ..errors import ParameterError
 from . import equipment
 from .attitude import from_axes, in_pipe
 from .centreline import Centreline, level_frame
-from .profiles import evaluate
+from .profiles import Points, Profile, evaluate
 from .scenario import Scenario
 from .surface import wall_at
 from .wall import BED, Pipe, Wall, build
@@ -62,12 +63,10 @@ class Motion:
 
     def __init__(self, scenario: Scenario, pipe: Pipe, route: Route, start: float, end: float) -> None:
         robot = scenario.robot
-        margin = robot.wheelbase + 8.0 * robot.wheel_radius + 10.0 * STEP
+        margin = 2.0 * robot.wheelbase + 8.0 * robot.wheel_radius + 10.0 * STEP
         self.grid = np.arange(start - margin, end + margin, STEP)
-        centre, guide, roll = _guides(scenario, pipe, route, self.grid)
-        span = max(3, 2 * round(0.25 * robot.wheel_radius / STEP) + 1)
-        centre, guide, roll = (_smooth(values, span) for values in (centre, guide, roll))
-        middle, axes = _lay(scenario, self.grid, centre, guide, roll)
+        lay = _driven if robot.path == "kinematic" else _steered
+        middle, axes = lay(scenario, pipe, route, self.grid)
         self.path = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(middle, axis=0), axis=1))])
         self._middle = make_interp_spline(self.grid, middle, k=5)
         self._quaternion = make_interp_spline(self.grid, _continuous(quaternions(axes)), k=5)
@@ -93,18 +92,59 @@ class Motion:
         return self.middle(travelled) + np.einsum("...ij,i->...j", self.axes(travelled), lever)
 
 
-def _guides(scenario: Scenario, pipe: Pipe, route: Route, u: np.ndarray) -> tuple[np.ndarray, ...]:
-    """Return the axis (n, 3), the axles' guide (n, 3) and the axles' roll (n,) on the grid."""
+def _steered(scenario: Scenario, pipe: Pipe, route: Route, u: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return middle (n, 3) and axes (n, 3, 3) of a robot on a prescribed path."""
+    robot = scenario.robot
+    centre = make_interp_spline(u, _smooth(route.at(u)[0], robot.wheelbase), k=5)
+    frame = level_frame(centre(u, 1))
+    y, z = _profile(robot.offset_y, u, robot), _profile(robot.offset_z, u, robot)
+    for knock in robot.knock:
+        y, z = y + knock.offset_y * _window(u, knock), z + knock.offset_z * _window(u, knock)
+    middle = centre(u) + y[:, None] * frame[:, 1] + z[:, None] * frame[:, 2]
+    forward = frame[:, 0]
+    if robot.follow:
+        forward = make_interp_spline(u, middle, k=5)(u, 1)
+    return middle, _turned(scenario, u, frame, forward, np.zeros(u.size))
+
+
+def _driven(scenario: Scenario, pipe: Pipe, route: Route, u: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return middle (n, 3) and axes (n, 3, 3) of a robot whose wheels stand on the wall."""
     robot = scenario.robot
     centre, frame = route.at(u)
-    if robot.path == "kinematic":
-        y, z, roll = _ride(scenario, pipe, route, u)
-    else:
-        y, z, roll = evaluate(robot.offset_y, u), evaluate(robot.offset_z, u), np.zeros(u.size)
+    height, side, roll = _ride(scenario, pipe, route, u)
     for knock in robot.knock:
-        window = _window(u, knock)
-        y, z = y + knock.offset_y * window, z + knock.offset_z * window
-    return centre, centre + y[:, None] * frame[:, 1] + z[:, None] * frame[:, 2], roll
+        height, side = height + knock.offset_y * _window(u, knock), side + knock.offset_z * _window(u, knock)
+    guide = centre + height[:, None] * frame[:, 1] + side[:, None] * frame[:, 2]
+    over = 2.0 * robot.wheel_radius
+    axle, turn, eased = (make_interp_spline(u, _smooth(v, over), k=5) for v in (guide, roll, centre))
+    half = np.full(u.size, 0.5 * robot.wheelbase)
+    for _ in range(8):
+        # The axles are a wheelbase apart as the robot measures it, not as the pipe does.
+        half *= robot.wheelbase / np.linalg.norm(axle(u + half) - axle(u - half), axis=1)
+    rear, front = axle(u - half), axle(u + half)
+    roll = 0.5 * (turn(u - half) + turn(u + half))
+    axes = _turned(scenario, u, level_frame(eased(u, 1)), front - rear, roll)
+    return 0.5 * (rear + front) + (ride_height(scenario) - robot.wheel_radius) * axes[:, 1], axes
+
+
+def _turned(scenario: Scenario, u: np.ndarray, frame: np.ndarray, forward: np.ndarray, roll: np.ndarray) -> np.ndarray:
+    """Return the robot's axes (n, 3, 3): along `forward` on Earth, turned from there as the scenario prescribes."""
+    robot = scenario.robot
+    ahead = np.einsum("nij,nj->ni", frame, forward)
+    pitch = np.arctan2(ahead[:, 1], ahead[:, 0]) + np.radians(_profile(robot.pitch_deg, u, robot))
+    yaw = np.arctan2(ahead[:, 2], ahead[:, 0]) + np.radians(_profile(robot.yaw_deg, u, robot) + robot.side_slip_deg)
+    roll = roll + np.radians(_profile(robot.roll_deg, u, robot))
+    for knock in robot.knock:
+        share = _window(u, knock)
+        pitch, yaw = pitch + np.radians(knock.pitch_deg) * share, yaw + np.radians(knock.yaw_deg) * share
+        roll = roll + np.radians(knock.roll_deg) * share
+    return in_pipe(pitch, yaw, roll) @ frame
+
+
+def _profile(profile: Profile, u: np.ndarray, robot: equipment.Robot) -> np.ndarray:
+    """Return a profile on the grid; one of points loses its corners over a wheel's width."""
+    values = evaluate(profile, u)
+    return _smooth(values, 2.0 * robot.wheel_radius) if isinstance(profile, Points) else values
 
 
 def _ride(scenario: Scenario, pipe: Pipe, route: Route, u: np.ndarray) -> tuple[np.ndarray, ...]:
@@ -173,35 +213,6 @@ def _foot(wall, cell, x, theta):
     return rho * y, rho * z
 
 
-def _lay(
-    scenario: Scenario, u: np.ndarray, centre: np.ndarray, guide: np.ndarray, roll: np.ndarray
-) -> tuple[np.ndarray, np.ndarray]:
-    """Return the robot's middle (n, 3) and axes (n, 3, 3): on its two axles, turned as prescribed."""
-    robot = scenario.robot
-    half = 0.5 * robot.wheelbase
-    axle, turn = make_interp_spline(u, guide, k=5), make_interp_spline(u, roll, k=5)
-    rear, front = axle(u - half), axle(u + half)
-    roll = 0.5 * (turn(u - half) + turn(u + half))
-    frame = level_frame(make_interp_spline(u, centre, k=5)(u, 1))
-    forward = np.zeros((u.size, 3))
-    forward[:, 0] = 1.0
-    if robot.follow or robot.path == "kinematic":
-        forward = np.einsum("nij,nj->ni", frame, front - rear)
-    pitch, yaw = np.arctan2(forward[:, 1], forward[:, 0]), np.arctan2(forward[:, 2], forward[:, 0])
-    pitch = pitch + np.radians(evaluate(robot.pitch_deg, u))
-    yaw = yaw + np.radians(evaluate(robot.yaw_deg, u) + robot.side_slip_deg)
-    roll = roll + np.radians(evaluate(robot.roll_deg, u))
-    for knock in robot.knock:
-        window = _window(u, knock)
-        pitch = pitch + np.radians(knock.pitch_deg) * window
-        yaw, roll = yaw + np.radians(knock.yaw_deg) * window, roll + np.radians(knock.roll_deg) * window
-    axes = in_pipe(pitch, yaw, roll) @ frame
-    middle = 0.5 * (rear + front)
-    if robot.path == "kinematic":
-        middle = middle + (ride_height(scenario) - robot.wheel_radius) * axes[:, 1]
-    return middle, axes
-
-
 def ride_height(scenario: Scenario) -> float:
     """Return the height [m] of the robot's axis above its wheels' contact; by default on the round pipe's axis."""
     robot = scenario.robot
@@ -220,8 +231,9 @@ def _window(u: np.ndarray, knock: equipment.Knock) -> np.ndarray:
     return np.cos(0.5 * np.pi * share) ** 2
 
 
-def _smooth(values: np.ndarray, span: int) -> np.ndarray:
-    """Return values averaged four times over `span` grid steps: a cubic B-spline, smooth to the second derivative."""
+def _smooth(values: np.ndarray, over: float) -> np.ndarray:
+    """Return values averaged four times over a quarter of `over` [m]: a cubic B-spline, smooth to two derivatives."""
+    span = 2 * max(1, round(0.125 * over / STEP)) + 1
     for _ in range(4):
         values = uniform_filter1d(values, span, axis=0, mode="nearest")
     return values

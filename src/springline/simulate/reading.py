@@ -18,6 +18,8 @@ FOLDER = Path(__file__).with_name("scenarios")
 
 _HEADER = re.compile(r"\s*(\[\[?)\s*([A-Za-z0-9_.\-]+)\s*\]\]?")
 _KEY = re.compile(r"\s*([A-Za-z0-9_\-]+)\s*=")
+_QUOTED = re.compile(r'"[^"]*"|\'[^\']*\'|#.*')
+_TOKENS = re.compile(r"[\[\]{}]|([A-Za-z0-9_\-]+)\s*=")
 _RANGES = {"gt": "above {}", "ge": "at least {}", "lt": "below {}", "le": "at most {}"}
 
 
@@ -74,7 +76,8 @@ def parse(text: str, *, where: str = "scenario") -> Scenario:
     try:
         scenario = Scenario.model_validate(raw)
     except ValidationError as error:
-        first = error.errors()[0]
+        # A misspelt key also leaves the right one missing: the misspelling is what must be told.
+        first = min(error.errors(), key=lambda one: one["type"] != "extra_forbidden")
         raise _complaint(first, raw, text, where) from None
     return _checked(scenario, where, text)
 
@@ -149,14 +152,20 @@ def _place(where: str, path: tuple[int | str, ...], text: str) -> str:
 def line_of(text: str, path: tuple[int | str, ...]) -> int | None:
     """Return the line (from 1) on which a key of a TOML text stands, or its table, or None.
 
-    >>> line_of('[a]\\nb = 1\\n[[c]]\\nd = 2\\n[[c]]\\nd = 3', ("c", 1, "d"))
-    6
+    >>> line_of('[a]\\nb = [\\n  {d = 1},\\n  {d = 2}]\\n[[c]]\\nd = 2\\n[[c]]\\nd = 3', ("c", 1, "d"))
+    8
+    >>> line_of('[a]\\nb = [\\n  {d = 1},\\n  {d = 2}]\\n[[c]]\\nd = 2\\n[[c]]\\nd = 3', ("a", "b", 1, "d"))
+    4
     """
     counts: dict[str, int] = {}
     table: tuple[int | str, ...] = ()
     found: dict[tuple[int | str, ...], int] = {}
-    for number, row in enumerate(text.splitlines(), start=1):
-        if header := _HEADER.match(row):
+    inside: _Inline | None = None
+    for number, raw in enumerate(text.splitlines(), start=1):
+        row = _QUOTED.sub("''", raw)
+        if inside is not None:
+            inside.scan(row, number)
+        elif header := _HEADER.match(row):
             name = header[2]
             table = tuple(name.split("."))
             if header[1] == "[[":
@@ -165,10 +174,43 @@ def line_of(text: str, path: tuple[int | str, ...]) -> int | None:
             found.setdefault(table, number)
         elif key := _KEY.match(row):
             found.setdefault((*table, key[1]), number)
+            inside = _Inline((*table, key[1]), found)
+            inside.scan(row[key.end() :], number)
+        if inside is not None and inside.depth == 0:
+            inside = None
     for length in range(len(path), 0, -1):
         if path[:length] in found:
             return found[path[:length]]
     return None
+
+
+class _Inline:
+    """Finds the lines of what stands inside one value: inline tables, and arrays of them."""
+
+    def __init__(self, path: tuple[int | str, ...], found: dict[tuple[int | str, ...], int]) -> None:
+        self._path, self._found = path, found
+        self._brackets = self._braces = 0
+        self._index = -1
+
+    @property
+    def depth(self) -> int:
+        """How many brackets and braces are still open."""
+        return self._brackets + self._braces
+
+    def scan(self, row: str, number: int) -> None:
+        """Take in one more line of the value."""
+        for token in _TOKENS.finditer(row):
+            mark = token[0]
+            if mark in "[]":
+                self._brackets += 1 if mark == "[" else -1
+            elif mark in "{}":
+                self._braces += 1 if mark == "{" else -1
+                if mark == "{" and self._braces == 1 and self._brackets == 1:
+                    self._index += 1
+                    self._found.setdefault((*self._path, self._index), number)
+            elif self._braces == 1:
+                within = (self._index,) if self._index >= 0 else ()
+                self._found.setdefault((*self._path, *within, token[1]), number)
 
 
 def _known_keys(path: tuple[int | str, ...]) -> list[str]:

@@ -47,8 +47,6 @@ def _stations(world: World) -> dict[str, tuple[object, np.ndarray]]:
     s = route.chainage(travelled)
     point, frame = route.at(travelled)
     cell = route.centreline.index(s)
-    theta = np.arange(WALL_BEARINGS) * (2.0 * np.pi / WALL_BEARINGS)
-    wall = radius_of_wall(world.wall, cell, s, route.bearing(theta)[None], False)
     out: dict[str, tuple[object, np.ndarray]] = {
         "chainage": ("station", travelled),
         "easting": ("station", point[:, 0]),
@@ -56,8 +54,6 @@ def _stations(world: World) -> dict[str, tuple[object, np.ndarray]]:
         "elevation": ("station", point[:, 2]),
         "gradient": ("station", frame[:, 0, 2] / np.hypot(frame[:, 0, 0], frame[:, 0, 1])),
         "heading": ("station", np.mod(np.arctan2(frame[:, 0, 0], frame[:, 0, 1]), 2.0 * np.pi)),
-        "wall_bearing": ("wall_bearing", theta),
-        "wall_radius": (("station", "wall_bearing"), wall.astype(np.float32)),
     }
     cells = [route.centreline.cells[k] for k in cell]
     out["curvature"] = ("station", np.array([c.curvature for c in cells]))
@@ -66,15 +62,20 @@ def _stations(world: World) -> dict[str, tuple[object, np.ndarray]]:
 
 
 def _sections(world: World, s: np.ndarray, cell: np.ndarray) -> dict[str, tuple[object, np.ndarray]]:
-    """Return diameters and areas of the bare section at each station, measured on 1440 radii."""
-    theta = np.arange(_FINE) * (2.0 * np.pi / _FINE)
+    """Return the true wall with everything on it, and what the bare section measures on 1440 radii."""
+    coarse, fine = (np.arange(n) * (2.0 * np.pi / n) for n in (WALL_BEARINGS, _FINE))
+    seen, across = (world.route.bearing(theta)[None] for theta in (coarse, fine))
+    wall = np.empty((s.size, WALL_BEARINGS), np.float32)
     rows: dict[str, list[np.ndarray]] = {}
     for first in range(0, s.size, 2048):
         part = slice(first, first + 2048)
-        radius = radius_of_wall(world.wall, cell[part], s[part], world.route.bearing(theta)[None], True)
-        for name, value in measure(radius).items():
+        wall[part] = radius_of_wall(world.wall, cell[part], s[part], seen, False)
+        for name, value in measure(radius_of_wall(world.wall, cell[part], s[part], across, True)).items():
             rows.setdefault(name, []).append(value)
-    return {name: ("station", np.concatenate(value)) for name, value in rows.items()}
+    out: dict[str, tuple[object, np.ndarray]] = {k: ("station", np.concatenate(v)) for k, v in rows.items()}
+    out["wall_bearing"] = ("wall_bearing", coarse)
+    out["wall_radius"] = (("station", "wall_bearing"), wall)
+    return out
 
 
 def _parameters(world: World, s: np.ndarray) -> dict[str, tuple[object, np.ndarray]]:

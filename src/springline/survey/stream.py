@@ -57,5 +57,11 @@ def _append(store: Path, group: str, data: xr.Dataset) -> None:
             by_dim.setdefault(str(array.dims[0]), []).append(str(name))
     for dim, names in by_dim.items():
         data[names].drop_vars([c for c in data.coords if c not in names]).to_zarr(
-            store, group=group, append_dim=dim, consolidated=False, zarr_format=3, safe_chunks=False
+            store,
+            group=group,
+            append_dim=dim,
+            consolidated=False,
+            zarr_format=3,
+            safe_chunks=False,
+            write_empty_chunks=True,
         )

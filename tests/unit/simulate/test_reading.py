@@ -1,0 +1,156 @@
+"""Scenarios: what is refused says which key, on which line, with which value, and what would do."""
+
+from __future__ import annotations
+
+import pytest
+
+from springline.errors import FormatError, InputError, ParameterError
+from springline.simulate import Scenario, load, parse, scenarios
+from springline.simulate.checks import longest_robot
+
+GOOD = """name = "test"
+
+[pipe]
+diameter = "300mm"
+run = [
+    { kind = "straight", length = 5.0 },
+]
+
+[[pipe.lateral]]
+chainage = 2.0
+clock_h = 2
+diameter = 0.1
+
+[robot]
+length = 0.4
+wheelbase = 0.3
+
+[rings]
+noise = 0.001
+"""
+
+
+def refused(old: str, new: str, *needles: str, error: type[Exception] = ParameterError) -> None:
+    assert old in GOOD
+    text = GOOD.replace(old, new)
+    with pytest.raises(error) as caught:
+        parse(text, where="my.toml")
+    for needle in ("my.toml", *needles):
+        assert needle in str(caught.value)
+
+
+def test_the_good_scenario_is_good():
+    scenario = parse(GOOD)
+    assert scenario.pipe.diameter == 0.3
+    assert load(scenario) == scenario
+
+
+def test_nine_scenarios_ship_and_all_are_sound():
+    assert len(scenarios()) == 9
+    for name, description in scenarios().items():
+        assert description
+        assert isinstance(load(name), Scenario)
+
+
+def test_an_unknown_key_names_its_nearest_neighbour():
+    refused("noise =", "noice =", "line 19", "rings.noice", "0.001", "did you mean 'noise'?")
+    refused("clock_h = 2", "clock = 2", "line 11", "pipe.lateral[1].clock", "did you mean 'clock_h'?")
+    refused("[robot]", "[robott]", "line 14", "robott", "did you mean 'robot'?")
+
+
+def test_single_values_out_of_range():
+    refused("noise = 0.001", "noise = -0.001", "line 19", "rings.noise", "-0.001", "at least 0")
+    refused("length = 5.0", "length = 0", "line 6", "pipe.run[1].length", "above 0")
+    refused("clock_h = 2", "clock_h = 13", "line 11", "at most 12")
+    refused('diameter = "300mm"', 'diameter = "300 furlongs"', "line 4", "pipe.diameter", "furlongs")
+    refused("noise = 0.001", "noise = nan", "line 19", "rings.noise")
+    refused("noise = 0.001", "bearings = 3.5", "line 19", "rings.bearings")
+    refused("[rings]\nnoise = 0.001\n", "", "rings", "at least one of rings, rings_rear, depth_camera")
+    refused('name = "test"\n', "", "name", "missing")
+
+
+def test_a_bend_tighter_than_the_pipe_radius():
+    tight = '{ kind = "bend", radius = 0.14, angle_deg = 90.0 }'
+    refused('{ kind = "straight", length = 5.0 }', tight, "line 6", "pipe.run[1].radius = 0.14", "above 0.15 m",
+            "tighter than the pipe radius")  # fmt: skip
+
+
+def test_a_lateral_larger_than_the_pipe():
+    refused("diameter = 0.1", "diameter = 0.31", "line 12", "pipe.lateral[1].diameter = 0.31", "below", "0.3 m")
+
+
+def test_a_robot_longer_than_the_bend_allows():
+    bend = '{ kind = "straight", length = 5.0 },\n    { kind = "bend", radius = 0.2, angle_deg = 90.0 }'
+    most = longest_robot(0.2, 0.15, 0.05)
+    text = GOOD.replace('{ kind = "straight", length = 5.0 }', bend).replace("length = 0.4", "length = 0.7")
+    with pytest.raises(ParameterError, match=r"line 16: robot.length = 0.7 is longer than the bend") as caught:
+        parse(text)
+    assert f"at most {most:.3f} m" in str(caught.value)
+    # The box of that length, its inner side on the inner wall, has its outer corners on the outer wall.
+    assert (0.05 + 0.1) ** 2 + (0.5 * most) ** 2 == pytest.approx(0.35**2)
+
+
+@pytest.mark.parametrize(
+    ("table", "needles"),
+    [
+        ("sag = [{chainage = 4.9, length = 1.0, depth = 0.01}]", ("sag[1].chainage", "0 to 5 m")),
+        ("sag = [{chainage = 2.0, length = 1.0, depth = 0.2}]", ("sag[1].depth", "0.125 m")),
+        ("dent = [{chainage = 6.0, clock_h = 1, depth = 0.01, length = 0.1, width_deg = 10}]", ("dent[1]", "5 m")),
+        ("dent = [{chainage = 2.0, clock_h = 1, depth = 0.2, length = 0.1, width_deg = 10}]", ("depth", "0.15 m")),
+        ("water = [{depth = 0.16}]", ("water[1].depth = 0.16", "0.15 m")),
+        ("section = [{shape = 'mode', mode = 4, s1 = 0.99, s02 = 0.9}]", ("section[1].s1", "0.99")),
+        ("section = [{shape = 'egg', width = 0.3}]", ("section[1].height", "invert_radius")),
+        ("section = [{shape = 'egg', width = 0.3, height = 0.2, invert_radius = 0.05}]", ("section[1].shape",)),
+        ("section = [{shape = 'eg'}]", ("section[1].shape", "'egg'")),
+        ("section = [{shape = 'circle', end = 3}, {shape = 'circle', start = 2}]", ("section[2].start", "3 m")),
+        ("joint = [{chainage = 2.0}, {chainage = 2.003}]", ("joint[2].chainage", "2.003")),
+        ("joints = {spacing = 0.001}", ("joints.spacing", "0.001")),
+        ("lobe = [{start = 1, end = 2, depth = 0.02, width_deg = 60, form = 'varying', clock_h = 3}]\n"
+         "section = [{shape = 'mode', mode = 1, s1 = 0.9}]", None),
+        ("lobe = [{start = 1, end = 2, depth = 0.02, width_deg = 60, form = 'varying', clock_h = 2}]\n"
+         "section = [{shape = 'mode', mode = 1, s1 = 0.9}]", ("lobe[1].clock_h", "radii")),
+    ],
+)  # fmt: skip
+def test_impossible_pipes(table, needles):
+    text = GOOD.replace("[[pipe.lateral]]", f"{table}\n\n[[pipe.lateral]]")
+    if needles is None:
+        parse(text)
+        return
+    with pytest.raises(ParameterError) as caught:
+        parse(text)
+    for needle in ("line ", *needles):
+        assert needle in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("table", "needles"),
+    [
+        ("[robot]\nlength = 6.0", ("robot.length", "5 m")),
+        ("[robot]\nlength = 0.4\nhalf_span = 0.15", ("robot.half_span", "0.15 m")),
+        ("[robot]\nlength = 0.4\noffset_z = {amplitude = 0.2, period = 2}", ("robot.offset_z", "0.2")),
+        ("[robot]\nlength = 0.4\nstandstill = [{chainage = 4.9, duration = 5}]", ("standstill[1].chainage", "4.8 m")),
+        ("[odometer]\nslip = [{chainage = 2, length = 0.1, extra = -0.2}]\n[robot]\nlength = 0.4", ("slip[1].extra",)),
+        ("[ties]\nchainages = [0.0, 7.0]\n[robot]\nlength = 0.4", ("ties.chainages = 7", "5 m")),
+        ("[camera]\nlens = 'sine'\n[robot]\nlength = 0.4", ("camera", "not simulated")),
+    ],
+)
+def test_impossible_equipment(table, needles):
+    text = GOOD.replace("[robot]\nlength = 0.4\nwheelbase = 0.3", table + "\nwheelbase = 0.3")
+    with pytest.raises(ParameterError) as caught:
+        parse(text)
+    for needle in ("line ", *needles):
+        assert needle in str(caught.value)
+
+
+def test_an_upright_pipe_has_no_crown():
+    bends = '{ kind = "bend", radius = 1.0, angle_deg = 80.0, towards = "up" }'
+    refused('{ kind = "straight", length = 5.0 }', bends, "pipe.run[1].angle_deg", "75 degrees")
+
+
+def test_files_that_are_not_there_or_not_toml(tmp_path):
+    with pytest.raises(InputError, match="did you mean 'weaving'"):
+        load("weavin")
+    path = tmp_path / "bad.toml"
+    path.write_text("name = [", encoding="utf-8")
+    with pytest.raises(FormatError, match=r"bad\.toml"):
+        load(path)
