@@ -5,7 +5,7 @@ from .base import Chord, Diameters, Moments, Section
 from .families import FAMILIES, Family, mode_family
 from .hinged import Hinge, HingedSection, hinge, hinged
 from .linkage import closing_lower, linkage
-from .ovality import expected_maximum, mean_radius_of_circular_hinges, ovality
+from .ovality import expected_maximum, mean_radius_of_circular_hinges, ovality, reduction_factor
 from .profiles import Arc, Corner, Line, symmetric
 from .segments import Segment, constant, linear, segment, sinusoidal, tabulated
 from .severity import chord, pathway, s1_limits, s2_of_s1
@@ -61,6 +61,7 @@ __all__ = [
     "mode_family",
     "ovality",
     "pathway",
+    "reduction_factor",
     "s1_limits",
     "s2_of_s1",
     "segment",

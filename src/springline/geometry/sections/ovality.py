@@ -69,3 +69,17 @@ def expected_maximum(count: ArrayLike) -> Array:
     log_density = -0.5 * x * x - 0.5 * np.log(2.0 * np.pi)
     n = count[..., None]
     return step * np.sum(x * n * np.exp(log_density + (n - 1.0) * log_ndtr(x)), axis=-1)
+
+
+def reduction_factor(ovality: ArrayLike) -> Array:
+    """Return the ovality reduction factor C = ((1 - q)/(1 + q)^2)^3 of an ovality q as a fraction.
+
+    The bare formula, for tables that go beyond any pipe; `springline.design.f1216.ovality_factor` keeps its range.
+
+    Source: (1.2).
+
+    >>> round(float(reduction_factor(0.1)), 12)
+    0.411501495009
+    """
+    q = np.asarray(ovality, float)
+    return ((1.0 - q) / (1.0 + q) ** 2) ** 3

@@ -1,0 +1,1 @@
+"""Reference vectors of independent programs, run against the public functions."""
