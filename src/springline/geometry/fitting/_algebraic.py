@@ -5,10 +5,11 @@ from __future__ import annotations
 from math import sqrt
 
 import numpy as np
-from numba import njit
 
 from springline.geometry.fitting._eigen import UNIT_NORM, conic_from_moments, unit_norm_circle
 from springline.geometry.fitting._feet import circle_feet
+from springline.geometry.fitting._gram import gram
+from springline.geometry.fitting._jit import kernel, vector_kernel
 from springline.geometry.fitting._judge import (
     ARC_BINS,
     COLLINEAR,
@@ -20,15 +21,15 @@ from springline.geometry.fitting._judge import (
     SHORT_ARC,
     TOO_FEW,
     collapsed,
+    erase,
     spans,
 )
-from springline.geometry.fitting._linalg import FAST, factorise, invert
+from springline.geometry.fitting._linalg import factorise, invert
 from springline.geometry.fitting._moments import add_moments, circle_from_moments, ellipse_of_conic
 from springline.geometry.fitting._readings import gather, normalise
-from springline.geometry.fitting._refine import gram
 
 
-@njit(cache=True, nogil=True, error_model="numpy", fastmath=FAST)
+@vector_kernel
 def _ellipse_slopes(z, y, prior, n, par, distance, jacobian, information, noise):
     """Write first-order distances and derivatives at the ray's crossing, and the weights of the covariance.
 
@@ -70,7 +71,7 @@ def _ellipse_slopes(z, y, prior, n, par, distance, jacobian, information, noise)
         noise[i] = prior[i] * square * square
 
 
-@njit(cache=True, nogil=True, error_model="numpy", fastmath=FAST)
+@vector_kernel
 def _squares(distance, prior, n):
     """Return the weighted and the plain sum of squared distances."""
     weighted = 0.0
@@ -82,7 +83,7 @@ def _squares(distance, prior, n):
     return weighted, plain
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def _sandwich(p, bread, meat, work, out):
     """Write bread meat bread into `out`, all symmetric p x p."""
     for a in range(p):
@@ -99,11 +100,10 @@ def _sandwich(p, bread, meat, work, out):
             out[a, b] = total
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
-def _solve(p, method, moments, mean_z, mean_y, scale, small, par):
+@kernel
+def _solve(p, method, moments, mean_z, mean_y, scale, small, conic, par):
     """Write the algebraic fit into `par`; return FITTED or why there is none."""
     if p == 5:
-        conic = small[4, 0:2].ravel()[:6]
         if not conic_from_moments(moments, method, conic, small):
             return COLLINEAR
         return FITTED if ellipse_of_conic(conic, par) else NOT_AN_ELLIPSE
@@ -113,8 +113,8 @@ def _solve(p, method, moments, mean_z, mean_y, scale, small, par):
     return FITTED if circle_from_moments(moments, method, par) else COLLINEAR
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
-def _fit_one(p, method, n, z, y, w, least_arc, most_scatter, rows, moments, small, par, cov, out):
+@kernel
+def _fit_one(p, method, n, z, y, w, least_arc, most_scatter, rows, moments, small, conic, par, cov, out):
     """Fit one gathered ring in place; return its status. `out` receives residual rms and noise."""
     if n < p:
         return TOO_FEW
@@ -122,30 +122,32 @@ def _fit_one(p, method, n, z, y, w, least_arc, most_scatter, rows, moments, smal
     if not flatness > FLATTEST:
         return COLLINEAR
     add_moments(z, y, w, 0, n, moments)
-    code = _solve(p, method, moments, mean_z, mean_y, scale, small, par)
+    code = _solve(p, method, moments, mean_z, mean_y, scale, small, conic, par)
     if code != FITTED:
         return code
     if collapsed(p, par):
         return NOT_AN_ELLIPSE
     if not spans(least_arc, z, y, w, n, par, rows[1, :ARC_BINS], rows[2, :ARC_BINS]):
         return SHORT_ARC
-    distance, information, noise, product, jacobian = rows[0], rows[1], rows[2], rows[3], rows[5:10]
+    distance, information, noise, jacobian = rows[0], rows[1], rows[2], rows[5:10]
     bread, meat, low, inverse, vector = small[0], small[1], small[2], small[3], small[4, 0]
     if p == 5:
         _ellipse_slopes(z, y, w, n, par, distance, jacobian, information, noise)
-        gram(p, n, jacobian, distance, noise, product, meat, vector)
-        gram(p, n, jacobian, distance, information, product, bread, vector)
+        gram(p, n, jacobian, distance, noise, meat, vector)
+        gram(p, n, jacobian, distance, information, bread, vector)
     else:
         # a circle's gradient has one length all round: every algebraic circle has the geometric one's covariance
         circle_feet(z, y, n, par, distance, jacobian)
-        gram(p, n, jacobian, distance, w, product, bread, vector)
+        gram(p, n, jacobian, distance, w, bread, vector)
     if not factorise(bread, p, low):
         return COLLINEAR
     invert(low, p, inverse)
     if p == 5:
         _sandwich(p, inverse, meat, low, cov)
     else:
-        cov[:] = inverse[:p, :p]
+        for a in range(p):
+            for b in range(p):
+                cov[a, b] = inverse[a, b]
     weighted, plain = _squares(distance, w, n)
     variance = weighted / (n - p) if n > p else np.nan
     if variance > (most_scatter * par[2]) ** 2:
@@ -161,7 +163,7 @@ def _fit_one(p, method, n, z, y, w, least_arc, most_scatter, rows, moments, smal
     return FITTED
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def fit_rings(p, method, least_arc, most_scatter, z, y, weight, weighted, keep, par, cov, out, used, status, omega):
     """Fit the circle (p = 3) or ellipse (p = 5) of every row of `z` and `y`; fill what `_batch.run` returns."""
     rings, points = z.shape
@@ -170,16 +172,17 @@ def fit_rings(p, method, least_arc, most_scatter, z, y, weight, weighted, keep, 
     rows = np.empty((10, max(points, ARC_BINS)))
     moments = np.empty(15)
     small = np.empty((5, 5, 5))
+    conic = np.empty(6)
     for k in range(rings):
         a, b, c = gathered[0], gathered[1], gathered[2]
         n = gather(z[k], y[k], weight[k if weighted else 0], weighted, a, b, c, index)
         used[k] = n
-        code = _fit_one(p, method, n, a, b, c, least_arc, most_scatter, rows, moments, small, par[k], cov[k], out[k])
+        code = _fit_one(
+            p, method, n, a, b, c, least_arc, most_scatter, rows, moments, small, conic, par[k], cov[k], out[k]
+        )
         status[k] = code
         if code != FITTED:
-            par[k] = np.nan
-            cov[k] = np.nan
-            out[k] = np.nan
+            erase(par[k], cov[k], out[k])
         elif keep:
             for i in range(n):
                 omega[k, index[i]] = 1.0

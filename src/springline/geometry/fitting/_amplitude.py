@@ -5,12 +5,12 @@ from __future__ import annotations
 from math import sqrt
 
 import numpy as np
-from numba import njit
 
 from springline.geometry.fitting._feet import ellipse_feet
+from springline.geometry.fitting._jit import kernel
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def _excess(amplitude, point, sigmas, table, step, work):
     """Return the distance, in sigmas, from the estimate to the circle of that amplitude, less its critical value."""
     # in units of the sigmas along the principal axes, the circle is an ellipse
@@ -24,7 +24,7 @@ def _excess(amplitude, point, sigmas, table, step, work):
     return abs(work[1, 0]) - (table[k] * (1.0 - part) + table[k + 1] * part)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def _crossing(inside, outside, point, sigmas, table, step, work):
     """Return the amplitude at which the excess turns positive between one inside the interval and one outside."""
     at_inside = _excess(inside, point, sigmas, table, step, work)
@@ -51,7 +51,7 @@ def _crossing(inside, outside, point, sigmas, table, step, work):
     return inside
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def amplitude_ends(vector, covariance, table, step, ends):
     """Write the lower and upper end of each amplitude's interval; `table` holds critical distances every `step`."""
     work = np.zeros((8, 5))

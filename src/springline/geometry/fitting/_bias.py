@@ -10,12 +10,10 @@ from __future__ import annotations
 
 from math import sqrt
 
-from numba import njit
-
-from springline.geometry.fitting._linalg import FAST
+from springline.geometry.fitting._jit import vector_kernel
 
 
-@njit(cache=True, nogil=True, error_model="numpy", fastmath=FAST)
+@vector_kernel
 def mean_gradient_isotropic(p, omega, n, par, jacobian, out):
     """Write the mean gradient per variance of a reading in any one direction; there g t is zero on average."""
     mean = par[2]
@@ -34,7 +32,7 @@ def mean_gradient_isotropic(p, omega, n, par, jacobian, out):
         out[k] = 0.5 * total / (product * product)
 
 
-@njit(cache=True, nogil=True, error_model="numpy", fastmath=FAST)
+@vector_kernel
 def mean_gradient_along_rays(p, z, y, omega, n, par, jacobian, origin_z, origin_y, out):
     """Write the mean gradient per variance of the distances, for noise along the rays from the origin."""
     mean = par[2]

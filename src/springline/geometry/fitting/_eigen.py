@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from math import sqrt
 
-from numba import njit
-
+from springline.geometry.fitting._jit import kernel
 from springline.geometry.fitting._linalg import factorise, substitute
 from springline.geometry.fitting._moments import YY, YYY, YYYY, ZY, ZYY, ZYYY, ZZ, ZZY, ZZYY, ZZZ, ZZZY, ZZZZ, N, Y, Z
 from springline.geometry.fitting.options import CIRCLE_METHODS, ELLIPSE_METHODS
@@ -14,7 +13,7 @@ UNIT_NORM = CIRCLE_METHODS["svd"]
 BOOKSTEIN, GANDER = ELLIPSE_METHODS["bookstein"], ELLIPSE_METHODS["gander"]
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def _reduce(m, top, cross, low, linear):
     """Reduce the conic's scatter to its quadratic part in `top`; return False when the linear part is singular.
 
@@ -56,7 +55,7 @@ def _reduce(m, top, cross, low, linear):
     return True
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def _root(s, sign):
     """Return the least root x >= 0 of det(S - x diag(1, sign, sign)) for a positive definite S.
 
@@ -86,7 +85,7 @@ def _root(s, sign):
     return x
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def _null_vector(s, shift, sign, x):
     """Write the vector that S - shift diag(1, sign, sign) takes to zero: the longest cross product of its rows."""
     longest = 0.0
@@ -113,7 +112,7 @@ def _null_vector(s, shift, sign, x):
     return longest > 0.0
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def conic_from_moments(m, method, conic, work):
     """Write the conic (a, b, c, d, e, f) of least algebraic distance into `conic`; return whether there is one.
 
@@ -142,7 +141,7 @@ def conic_from_moments(m, method, conic, work):
     return True
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def unit_norm_circle(m, shift_z, shift_y, scale, par, work):
     """Write the circle whose coefficients (a, b, c, d) have unit norm in the readings' own frame and unit.
 
@@ -167,7 +166,9 @@ def unit_norm_circle(m, shift_z, shift_y, scale, par, work):
         return 0
     # rows of the map from the scaled coefficients to the raw ones, whose norm is one
     t = work[3]
-    t[:] = 0.0
+    for i in range(4):
+        for j in range(4):
+            t[i, j] = 0.0
     t[0, 0] = 1.0 / (scale * scale)
     t[1, 0] = -2.0 * shift_z / (scale * scale)
     t[1, 1] = 1.0 / scale

@@ -4,12 +4,10 @@ from __future__ import annotations
 
 from math import sqrt
 
-from numba import njit
-
-from springline.geometry.fitting._linalg import FAST
+from springline.geometry.fitting._jit import vector_kernel
 
 
-@njit(cache=True, nogil=True, error_model="numpy", fastmath=FAST)
+@vector_kernel
 def circle_feet(z, y, n, par, distance, jacobian):
     """Write the signed distances (positive outside) to the circle `par` = (z, y, radius), and their derivatives.
 
@@ -26,7 +24,7 @@ def circle_feet(z, y, n, par, distance, jacobian):
         jacobian[2, i] = 1.0
 
 
-@njit(cache=True, nogil=True, error_model="numpy", fastmath=FAST)
+@vector_kernel
 def ellipse_feet(z, y, n, par, distance, jacobian, foot):
     """Write the signed distances to the ellipse `par` = (z, y, m, u, v), positive outside, and their derivatives.
 

@@ -5,9 +5,10 @@ from __future__ import annotations
 from math import sqrt
 
 import numpy as np
-from numba import njit
 
 from springline.geometry.fitting._bias import mean_gradient_along_rays, mean_gradient_isotropic
+from springline.geometry.fitting._gram import gram
+from springline.geometry.fitting._jit import kernel, vector_kernel
 from springline.geometry.fitting._judge import (
     ARC_BINS,
     COLLINEAR,
@@ -19,12 +20,13 @@ from springline.geometry.fitting._judge import (
     SHORT_ARC,
     TOO_FEW,
     collapsed,
+    erase,
     spans,
 )
-from springline.geometry.fitting._linalg import FAST, factorise, invert, substitute
+from springline.geometry.fitting._linalg import factorise, invert, substitute
 from springline.geometry.fitting._moments import TAUBIN, add_moments, circle_from_moments
 from springline.geometry.fitting._readings import ANGLE_BINS, gather, normalise, order_by_angle
-from springline.geometry.fitting._refine import SCORE, SLOPE, SUMS, USED, WEIGHT, gram, refine
+from springline.geometry.fitting._refine import SCORE, SLOPE, SUMS, USED, WEIGHT, refine
 from springline.geometry.fitting._start import SECTORS, algebraic_start, robust_start
 from springline.geometry.fitting.options import FEWEST_SEARCHED, NOISE_MODELS
 
@@ -37,7 +39,7 @@ ROBUST_TOLERANCE = 1e-4
 PLAIN_TOLERANCE = 1e-9
 
 
-@njit(cache=True, nogil=True, error_model="numpy", fastmath=FAST)
+@vector_kernel
 def _residual_rms(distance, omega, n):
     """Return the rms distance of the readings that have weight."""
     total = 0.0
@@ -49,7 +51,7 @@ def _residual_rms(distance, omega, n):
     return sqrt(total / count)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def _fit_one(
     p,
     n,
@@ -84,14 +86,14 @@ def _fit_one(
     else:
         add_moments(z, y, w, 0, n, sectors[0])
         start = small[4, 2]
-        started = algebraic_start(p, sectors[0], start, small[4].ravel()[:6], small)
+        started = algebraic_start(p, sectors[0], start, sectors[1], small)
         for a in range(p):
             par[a] = start[a]
     if not started:
         return COLLINEAR
     tolerance = ROBUST_TOLERANCE if robust else PLAIN_TOLERANCE
     converged, sigma = refine(p, z, y, w, n, par, robust, tolerance, rows, sums, small)
-    distance, omega, product, jacobian = rows[0], rows[1], rows[3], rows[5:10]
+    distance, omega, jacobian = rows[0], rows[1], rows[5:10]
     oval = collapsed(p, par)
     if oval or not converged:
         # an arc too short may be why, which a circle still tells
@@ -102,7 +104,7 @@ def _fit_one(
     if oval:
         return NOT_AN_ELLIPSE
     normal, low, inverse, vector = small[0], small[1], small[2], small[3, 0]
-    gram(p, n, jacobian, distance, omega, product, normal, vector)
+    gram(p, n, jacobian, distance, omega, normal, vector)
     if not converged or not factorise(normal, p, low):
         return NO_CONVERGENCE
     invert(low, p, inverse)
@@ -136,7 +138,7 @@ def _fit_one(
     return FITTED
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def fit_rings(
     p, robust, noise, least_arc, most_scatter, z, y, weight, weighted, keep, par, cov, out, used, status, omega
 ):
@@ -147,7 +149,7 @@ def fit_rings(
     keys = np.empty(points, np.int64)
     counts = np.empty(ANGLE_BINS + 1, np.int64)
     rows = np.empty((10, max(points, ARC_BINS)))
-    sectors = np.empty((SECTORS + 2, 15))
+    sectors = np.empty((SECTORS + 3, 15))
     small = np.empty((5, 5, 5))
     sums = np.empty(SUMS)
     a, b, c = gathered[0], gathered[1], gathered[2]
@@ -162,9 +164,7 @@ def fit_rings(
         status[k] = code
         if code != FITTED:
             used[k] = n
-            par[k] = np.nan
-            cov[k] = np.nan
-            out[k] = np.nan
+            erase(par[k], cov[k], out[k])
             continue
         used[k] = int(sums[USED])
         if keep:

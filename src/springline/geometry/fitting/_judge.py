@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-from math import atan2, cos, pi, sqrt
+from math import atan2, cos, nan, pi, sqrt
 
-from numba import njit
-
-from springline.geometry.fitting._linalg import FAST
+from springline.geometry.fitting._jit import kernel, vector_kernel
 
 FITTED, TOO_FEW, COLLINEAR, SHORT_ARC, NO_CONVERGENCE, NOT_AN_ELLIPSE, SCATTERED = range(7)
 """The flags of `springline.conventions.FIT_STATUS`."""
@@ -20,7 +18,7 @@ MOST_OVAL = 0.99
 ARC_BINS = 64
 
 
-@njit(cache=True, nogil=True, error_model="numpy", fastmath=FAST)
+@vector_kernel
 def _mean_direction(z, y, omega, n, par):
     """Return the length of the mean unit vector from the centre to the readings with weight."""
     total_z = 0.0
@@ -37,7 +35,7 @@ def _mean_direction(z, y, omega, n, par):
     return sqrt(total_z * total_z + total_y * total_y) / count
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def spans(least, z, y, omega, n, par, low, high):
     """Return whether the readings with weight span at least the angle `least` [rad] about the centre.
 
@@ -84,7 +82,7 @@ def spans(least, z, y, omega, n, par, low, high):
     return False
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def _bearing(turn):
     """Return the bearing [rad], in [0, 2 pi), of a diamond angle in [0, 4)."""
     quarter = int(turn)
@@ -92,9 +90,20 @@ def _bearing(turn):
     return 0.5 * pi * quarter + atan2(part, 1.0 - part)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def collapsed(p, par):
     """Return whether `par` is no ellipse, or one so flat that it is a line."""
     if p == 3:
         return not par[2] > 0.0
     return not (par[2] > 0.0 and par[3] ** 2 + par[4] ** 2 < (MOST_OVAL * par[2]) ** 2)
+
+
+@kernel
+def erase(par, cov, out):
+    """Make everything of a failed fit missing."""
+    for a in range(par.size):
+        par[a] = nan
+        for b in range(par.size):
+            cov[a, b] = nan
+    for a in range(out.size):
+        out[a] = nan

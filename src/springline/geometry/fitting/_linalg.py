@@ -4,13 +4,10 @@ from __future__ import annotations
 
 from math import sqrt
 
-from numba import njit
-
-FAST = {"reassoc", "nsz", "arcp", "contract"}
-"""Floating-point liberties that let sums over readings use vector registers; NaN and infinity keep their meaning."""
+from springline.geometry.fitting._jit import kernel
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def factorise(a, p, low):
     """Write the lower Cholesky factor of the leading p x p block of `a` into `low`; return whether it exists."""
     for j in range(p):
@@ -28,7 +25,7 @@ def factorise(a, p, low):
     return True
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def substitute(low, p, b, x):
     """Solve (low low^T) x = b for a lower factor; x may be b."""
     for i in range(p):
@@ -43,7 +40,7 @@ def substitute(low, p, b, x):
         x[i] = total / low[i, i]
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def invert(low, p, inverse):
     """Write the inverse of low low^T into the leading p x p block of `inverse`."""
     for j in range(p):

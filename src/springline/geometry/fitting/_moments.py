@@ -4,9 +4,7 @@ from __future__ import annotations
 
 from math import sqrt
 
-from numba import njit
-
-from springline.geometry.fitting._linalg import FAST
+from springline.geometry.fitting._jit import kernel, vector_kernel
 from springline.geometry.fitting.options import CIRCLE_METHODS
 
 # the fifteen sums of w z^i y^j, named by their factors
@@ -15,7 +13,7 @@ from springline.geometry.fitting.options import CIRCLE_METHODS
 KASA, PRATT, TAUBIN = CIRCLE_METHODS["kasa"], CIRCLE_METHODS["pratt"], CIRCLE_METHODS["taubin"]
 
 
-@njit(cache=True, nogil=True, error_model="numpy", fastmath=FAST)
+@vector_kernel
 def add_moments(z, y, w, first, last, out):
     """Write the moments of readings first to last - 1 into `out`."""
     n = mz = my = mzz = mzy = myy = mzzz = mzzy = mzyy = myyy = 0.0
@@ -61,7 +59,7 @@ def add_moments(z, y, w, first, last, out):
     out[YYYY] = m04
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def circle_from_moments(m, method, par):
     """Write the Kasa, Pratt or Taubin circle (z, y, radius) into `par`; return whether there is one.
 
@@ -122,7 +120,7 @@ def circle_from_moments(m, method, par):
     return True
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def ellipse_of_conic(conic, par):
     """Write (z, y, m, u, v) of the ellipse that `conic` is into `par`; return False when it is none."""
     a, b, c, d, e, f = conic[0], conic[1], conic[2], conic[3], conic[4], conic[5]

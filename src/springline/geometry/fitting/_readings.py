@@ -4,15 +4,13 @@ from __future__ import annotations
 
 from math import isfinite, sqrt
 
-from numba import njit
-
-from springline.geometry.fitting._linalg import FAST
+from springline.geometry.fitting._jit import kernel, vector_kernel
 
 ANGLE_BINS = 128
 """Bins of angle by which readings are put in order."""
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def gather(z, y, weight, weighted, out_z, out_y, out_w, index):
     """Copy the readings that can be used (finite, positive weight), with their index; return how many there are.
 
@@ -36,7 +34,7 @@ def gather(z, y, weight, weighted, out_z, out_y, out_w, index):
     return n
 
 
-@njit(cache=True, nogil=True, error_model="numpy", fastmath=FAST)
+@vector_kernel
 def normalise(z, y, n):
     """Shift the readings to their centroid and scale them to unit rms radius, in place.
 
@@ -73,7 +71,7 @@ def normalise(z, y, n):
     return mean_z, mean_y, scale, sqrt(small / large)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def order_by_angle(z, y, w, index, n, key, counts, other):
     """Put the readings in order of the angle about the origin, to a bin.
 
@@ -109,7 +107,7 @@ def order_by_angle(z, y, w, index, n, key, counts, other):
         index[i] = int(other[3, i])
 
 
-@njit(cache=True, nogil=True, error_model="numpy", fastmath=FAST)
+@vector_kernel
 def quantile(squares, n, k):
     """Return, to 1 %, the k-th smallest (from 1) of the squares: bisection on counts, which do not branch.
 

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from math import sqrt
 
-from numba import njit
-
 from springline.geometry.fitting._feet import circle_feet, ellipse_feet
-from springline.geometry.fitting._linalg import FAST, factorise, substitute
+from springline.geometry.fitting._gram import gram
+from springline.geometry.fitting._jit import kernel, vector_kernel
+from springline.geometry.fitting._linalg import factorise, substitute
 from springline.geometry.fitting._readings import quantile
 
 CUT = 4.685
@@ -30,7 +30,7 @@ SUMS = 8
 LOSS, WEIGHT, SLOPE, SCORE, USED, MOMENT, SCALE_WEIGHT, SCALE_MOMENT = range(SUMS)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def feet(p, z, y, n, par, distance, jacobian, foot):
     """Write distances and derivatives for the circle (p = 3) or the ellipse (p = 5)."""
     if p == 3:
@@ -39,7 +39,7 @@ def feet(p, z, y, n, par, distance, jacobian, foot):
         ellipse_feet(z, y, n, par, distance, jacobian, foot)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def possible(p, par):
     """Return whether `par` is a circle or an ellipse at all."""
     if p == 3:
@@ -47,7 +47,7 @@ def possible(p, par):
     return par[2] > 0.0 and par[3] * par[3] + par[4] * par[4] < (0.9999 * par[2]) ** 2
 
 
-@njit(cache=True, nogil=True, error_model="numpy", fastmath=FAST)
+@vector_kernel
 def weigh(distance, prior, n, sigma, robust, omega, sums):
     """Write each reading's total weight into `omega` and fill `sums` with what is summed over readings.
 
@@ -92,26 +92,7 @@ def weigh(distance, prior, n, sigma, robust, omega, sums):
     sums[SCALE_MOMENT] = scale_moment
 
 
-@njit(cache=True, nogil=True, error_model="numpy", fastmath=FAST)
-def gram(p, n, jacobian, distance, omega, product, normal, gradient):
-    """Fill normal = J W J^T and gradient = J W d, summing over readings; `product` is scratch."""
-    for a in range(p):
-        row = jacobian[a]
-        total = 0.0
-        for i in range(n):
-            product[i] = omega[i] * row[i]
-            total += product[i] * distance[i]
-        gradient[a] = total
-        for b in range(a, p):
-            other = jacobian[b]
-            total = 0.0
-            for i in range(n):
-                total += product[i] * other[i]
-            normal[a, b] = total
-            normal[b, a] = total
-
-
-@njit(cache=True, nogil=True, error_model="numpy", fastmath=FAST)
+@vector_kernel
 def _median_scale(distance, prior, n, p, scratch):
     """Return the noise from the median absolute distance, at least FLOOR."""
     for i in range(n):
@@ -120,14 +101,14 @@ def _median_scale(distance, prior, n, p, scratch):
     return max(1.4826 * sqrt(quantile(scratch, n, min(n, (n + p) // 2 + 1))), FLOOR)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def _next_scale(sums, sigma, n, p):
     """Return a noise nearer to that whose own weighted mean square is that of Gaussian noise."""
     ratio = sums[SCALE_MOMENT] / (SCALE_KAPPA * sums[SCALE_WEIGHT]) * n / (n - p)
     return max(sigma * ratio ** (0.5 * SCALE_POWER), FLOOR)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def _damped_step(p, normal, gradient, damping, low, step):
     """Solve for the step; return its squared length in the metric of the normal matrix, or -1 if it is singular."""
     for a in range(p):
@@ -143,7 +124,7 @@ def _damped_step(p, normal, gradient, damping, low, step):
     return length
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def refine(p, z, y, prior, n, par, robust, tolerance, rows, sums, small):
     """Bring `par` to the least (robust) sum of squared distances; return (whether it converged, sigma).
 
@@ -151,20 +132,20 @@ def refine(p, z, y, prior, n, par, robust, tolerance, rows, sums, small):
     5 to 9; `small` (5, 5, 5) is scratch, `sums` leaves as `weigh` fills it. `tolerance` is the length of the last
     step in sigmas of the parameters: what the distances of the step before it are off by.
     """
-    distance, omega, foot, product, jacobian = rows[0], rows[1], rows[2], rows[3], rows[5:10]
+    distance, omega, foot, scratch, jacobian = rows[0], rows[1], rows[2], rows[3], rows[5:10]
     normal, low = small[0], small[1]
     gradient, step, trial = small[2, 0], small[2, 1], small[2, 2]
     feet(p, z, y, n, par, distance, jacobian, foot)
     sigma = 1.0
     if robust:
-        sigma = _median_scale(distance, prior, n, p, product)
+        sigma = _median_scale(distance, prior, n, p, scratch)
         for _ in range(4):
             weigh(distance, prior, n, sigma, robust, omega, sums)
             sigma = _next_scale(sums, sigma, n, p)
     weigh(distance, prior, n, sigma, robust, omega, sums)
     damping = 0.0
     for _ in range(100):
-        gram(p, n, jacobian, distance, omega, product, normal, gradient)
+        gram(p, n, jacobian, distance, omega, normal, gradient)
         loss = sums[LOSS]
         if not robust:
             sigma = max(sqrt(2.0 * loss / max(n - p, 1)), FLOOR)

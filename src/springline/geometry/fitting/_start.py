@@ -4,10 +4,8 @@ from __future__ import annotations
 
 from math import log
 
-from numba import njit
-
 from springline.geometry.fitting._eigen import GANDER, conic_from_moments
-from springline.geometry.fitting._linalg import FAST
+from springline.geometry.fitting._jit import kernel, vector_kernel
 from springline.geometry.fitting._moments import (
     TAUBIN,
     add_moments,
@@ -41,7 +39,7 @@ MOST_OVAL_START = 0.667
 NO_FIT = 1e300
 
 
-@njit(cache=True, nogil=True, error_model="numpy", fastmath=FAST)
+@vector_kernel
 def _squared_distances(z, y, n, conic, out):
     """Write the square of the first-order distance |F|/|grad F| of each reading to the conic."""
     a, b, c, d, e, f = conic[0], conic[1], conic[2], conic[3], conic[4], conic[5]
@@ -54,7 +52,7 @@ def _squared_distances(z, y, n, conic, out):
         out[i] = value * value / (gz * gz + gy * gy + 1e-30)
 
 
-@njit(cache=True, nogil=True, error_model="numpy", fastmath=FAST)
+@vector_kernel
 def _misfit(squares, n):
     """Return the sum of the logarithms of the squared distances, which many small ones rule whatever the few large.
 
@@ -69,7 +67,7 @@ def _misfit(squares, n):
     return total
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def algebraic_start(p, moments, par, conic, small):
     """Write the algebraic circle (p = 3) or ellipse (p = 5) of `moments` as `par` (5) and `conic`; False if none.
 
@@ -91,7 +89,7 @@ def algebraic_start(p, moments, par, conic, small):
     return True
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def _concentrate(p, judged, n, par, conic, moments, small):
     """Refit to the readings nearest to the candidate, some times over; return the misfit that is left.
 
@@ -111,14 +109,15 @@ def _concentrate(p, judged, n, par, conic, moments, small):
     return _misfit(squares, n)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def robust_start(p, z, y, w, n, par, sectors, judged, small):
     """Write the start for the circle (p = 3) or the ellipse (p = 5) into `par`; return whether there is one.
 
-    `sectors` (SECTORS + 2, 15), `judged` (5, n) and `small` (5, 5, 5) are scratch.
+    `sectors` (SECTORS + 3, 15), `judged` (5, n) and `small` (5, 5, 5) are scratch.
     """
     everything, part = sectors[SECTORS], sectors[SECTORS + 1]
-    everything[:] = 0.0
+    for j in range(15):
+        everything[j] = 0.0
     for k in range(SECTORS):
         add_moments(z, y, w, k * n // SECTORS, (k + 1) * n // SECTORS, sectors[k])
         for j in range(15):
@@ -129,7 +128,7 @@ def robust_start(p, z, y, w, n, par, sectors, judged, small):
         judged[0, k] = z[k * stride]
         judged[1, k] = y[k * stride]
         judged[2, k] = w[k * stride]
-    conic = small[4].ravel()[:6]
+    conic = sectors[SECTORS + 2]
     trial = small[4, 2]
     # finalists in order: misfit in the first row, their parts in the second
     misfits, places = small[4, 3], small[4, 4]
@@ -159,14 +158,13 @@ def robust_start(p, z, y, w, n, par, sectors, judged, small):
     return best < NO_FIT
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def _leave_out(sectors, first, part):
     """Add up the moments of all sectors but LEFT_OUT from `first` on; of all when `first` is SECTORS."""
-    if first == SECTORS:
-        part[:] = sectors[SECTORS]
-        return
-    part[:] = 0.0
-    for away in range(LEFT_OUT, SECTORS):
-        sector = sectors[(first + away) % SECTORS]
-        for j in range(15):
-            part[j] += sector[j]
+    for j in range(15):
+        part[j] = sectors[SECTORS, j] if first == SECTORS else 0.0
+    if first < SECTORS:
+        for away in range(LEFT_OUT, SECTORS):
+            sector = sectors[(first + away) % SECTORS]
+            for j in range(15):
+                part[j] += sector[j]
