@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from pathlib import Path
 from typing import Annotated
 
@@ -57,14 +58,20 @@ def _run(scenario: str, output: Path, seed: int, force: bool) -> None:
     from rich.console import Console
     from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 
-    from ..io import write
+    from ..io.writing import left_out, output_format, write
     from ..simulate import simulate as run
     from ..simulate import simulate_to
 
+    kind = output_format(output, None)
+    lost: list[str] = []
     columns = (TextColumn("{task.description}"), BarColumn(), TimeElapsedColumn())
     with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
         task = bar.add_task("simulating", total=1.0)
-        if output.name.endswith((".zarr", ".zarr.zip")):
+        if kind.holds_all:
             simulate_to(output, scenario, seed, force=force, progress=lambda done: bar.update(task, completed=done))
         else:
-            write(run(scenario, seed), output, force=force)
+            survey = run(scenario, seed)
+            write(survey, output, format=kind.key, force=force)
+            lost = left_out(survey, kind)
+    if lost:
+        sys.stderr.write(f"not held by {kind.key}: {', '.join(lost)}\n")

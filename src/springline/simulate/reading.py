@@ -109,10 +109,18 @@ def _complaint(error: ErrorDetails, raw: dict[str, Any], text: str, where: str) 
     if kind == "missing":
         return ParameterError(f"the key '{key}' is missing", where=place)
     context = error.get("ctx", {})
+    if kind.startswith("union_tag"):
+        return ParameterError(f"{key}.kind = {context.get('tag', 'nothing')!r}", where=place, expected=_tags(path))
     limits = [_RANGES[name].format(limit) for name, limit in context.items() if name in _RANGES]
     said = error["msg"].lower().removeprefix("input should be ").removeprefix("value error, ")
     expected = " and ".join(limits) or str(context.get("expected", "")) or said
     return ParameterError(f"{key} = {error['input']!r}", where=place, expected=expected)
+
+
+def _tags(path: tuple[int | str, ...]) -> str:
+    """Return which kinds the table at `path` may be of."""
+    kinds = [model.model_fields["kind"].annotation for model in _models_at((*path, "kind"))]
+    return " or ".join(f"'{kind.__args__[0]}'" for kind in kinds)
 
 
 def _path_in(raw: Any, loc: tuple[int | str, ...]) -> tuple[int | str, ...]:
@@ -215,11 +223,16 @@ class _Inline:
 
 def _known_keys(path: tuple[int | str, ...]) -> list[str]:
     """Return the keys that the table holding `path` may have."""
+    return sorted({name for model in _models_at(path) for name in model.model_fields})
+
+
+def _models_at(path: tuple[int | str, ...]) -> list[Any]:
+    """Return the models that the table holding `path` may follow."""
     models: list[Any] = [Scenario]
     for step in path[:-1]:
         if isinstance(step, str):
             models = [m for model in models for m in _models_in(model.model_fields[step].annotation)]
-    return sorted({name for model in models for name in model.model_fields})
+    return models
 
 
 def _models_in(annotation: Any) -> list[type[BaseModel]]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Iterator
+from importlib.metadata import version
 from pathlib import Path
 
 import xarray as xr
@@ -123,9 +124,8 @@ def _joined(parts: list[xr.Dataset]) -> xr.Dataset:
 
 
 def _described(survey: Survey, scenario: Scenario, seed: int) -> Survey:
-    from .. import __version__
-
     pipe, robot = scenario.pipe, scenario.robot
+    made = {"version": version("springline"), "scenario": scenario.name, "seed": seed, "inputs": []}
     downhill = (pipe.gradient <= 0.0) != robot.from_end
     survey = survey.with_attrs(
         name=scenario.name,
@@ -135,6 +135,6 @@ def _described(survey: Survey, scenario: Scenario, seed: int) -> Survey:
         direction="downstream" if downhill else "upstream",
         date=scenario.date or None,
         equipment="simulated",
-        provenance=json.dumps({"version": __version__, "scenario": scenario.name, "seed": seed, "inputs": []}),
+        provenance=json.dumps(made),
     )
     return add_assumption(survey, "The survey is simulated; its truth stands in /truth, which no stage reads.")

@@ -69,6 +69,11 @@ def test_single_values_out_of_range():
     refused('name = "test"\n', "", "name", "missing")
 
 
+def test_a_run_of_no_known_kind():
+    refused('kind = "straight"', 'kind = "curve"', "line 6", "pipe.run[1].kind = 'curve'", "'straight' or 'bend'")
+    refused('kind = "straight", ', "", "pipe.run[1].kind", "'straight' or 'bend'")
+
+
 def test_a_bend_tighter_than_the_pipe_radius():
     tight = '{ kind = "bend", radius = 0.14, angle_deg = 90.0 }'
     refused('{ kind = "straight", length = 5.0 }', tight, "line 6", "pipe.run[1].radius = 0.14", "above 0.15 m",

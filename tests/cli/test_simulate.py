@@ -1,0 +1,88 @@
+"""`springline simulate` as a user meets it."""
+
+from __future__ import annotations
+
+import sys
+
+import pytest
+
+from springline.cli import main
+from springline.io import read
+from springline.simulate import scenarios
+from springline.survey import open_survey
+
+SCENARIO = """name = "mine"
+[pipe]
+diameter = "200mm"
+run = [{ kind = "straight", length = 1.0 }]
+[robot]
+length = 0.2
+wheelbase = 0.15
+[rings]
+spacing = 0.05
+bearings = 36
+[ties]
+chainages = [0.0, 1.0]
+"""
+
+
+@pytest.fixture
+def run(monkeypatch, capsys):
+    """Run the command line in this process; return exit code, stdout and stderr."""
+
+    def call(*words):
+        monkeypatch.setattr(sys, "argv", ["springline", "simulate", *map(str, words)])
+        code = 0
+        try:
+            main()
+        except SystemExit as stop:
+            code = stop.code or 0
+        out = capsys.readouterr()
+        return code, out.out, out.err
+
+    return call
+
+
+@pytest.fixture
+def mine(tmp_path):
+    path = tmp_path / "mine.toml"
+    path.write_text(SCENARIO, encoding="utf-8")
+    return path
+
+
+def test_list_names_every_ready_scenario(run):
+    code, out, _ = run("--list")
+    assert code == 0
+    assert [line.split()[0] for line in out.splitlines()] == list(scenarios())
+
+
+def test_a_zarr_holds_everything_and_the_seed_matters(run, mine, tmp_path):
+    for seed, name in ((1, "a.zarr.zip"), (1, "b.zarr"), (2, "c.zarr.zip")):
+        assert run(mine, "-o", tmp_path / name, "--seed", seed)[0] == 0
+    a, b, c = (open_survey(tmp_path / name) for name in ("a.zarr.zip", "b.zarr", "c.zarr.zip"))
+    assert a.groups == ("rings", "ties", "truth")
+    assert a.rings["range"].equals(b.rings["range"])
+    assert not a.rings["range"].equals(c.rings["range"])
+
+
+def test_a_survey_folder_is_written_and_read_back(run, mine, tmp_path):
+    code, _, err = run(mine, "-o", tmp_path / "folder", "--seed", 1)
+    assert code == 0
+    assert "/truth" in err  # what the folder does not hold is said
+    survey = read(tmp_path / "folder")
+    assert survey.attrs["name"] == "mine"
+    assert survey.rings.sizes["bearing"] == 36
+    assert survey.ties.sizes["tie"] == 2
+
+
+def test_faults_are_one_message_and_exit_code_2(run, mine, tmp_path):
+    assert run()[0] == 2
+    assert "-o" in run(mine)[2]
+    (tmp_path / "there.zarr").mkdir()
+    assert "--force" in run(mine, "-o", tmp_path / "there.zarr")[2]
+    mine.write_text(SCENARIO.replace("spacing", "spacin"), encoding="utf-8")
+    code, _, err = run(mine, "-o", tmp_path / "x.zarr")
+    assert code == 2
+    assert "mine.toml, line 9: unknown key 'rings.spacin'" in err
+    assert "did you mean 'spacing'?" in err
+    assert not (tmp_path / "x.zarr").exists()
