@@ -1,0 +1,36 @@
+"""The joint maximum-likelihood estimator: robot path, true section and buried layout at once; arrays in and out.
+
+`estimate_joint` takes one fitted ellipse per ring, an inertial log and ties, whatever of them there is; states, model
+and frames stand in `docs/estimator.md`.
+"""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from .data import Inertial, Rings, Ties
+    from .joint import estimate_joint
+    from .options import JointOptions
+    from .results import JointEstimate
+
+_HOMES = {
+    "estimate_joint": "joint",
+    "Rings": "data",
+    "Inertial": "data",
+    "Ties": "data",
+    "JointOptions": "options",
+    "JointEstimate": "results",
+    "Bend": "bends",
+}
+
+__all__ = ["Inertial", "JointEstimate", "JointOptions", "Rings", "Ties", "estimate_joint"]
+
+
+def __getattr__(name: str) -> Any:
+    if name in _HOMES:
+        value = getattr(import_module(f".{_HOMES[name]}", __name__), name)
+        globals()[name] = value
+        return value
+    raise AttributeError(f"module '{__name__}' has no attribute '{name}'")

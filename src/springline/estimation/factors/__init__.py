@@ -1,0 +1,1 @@
+"""Measurements and priors, one per file: each joins two neighbouring knots and the survey's scalars."""

@@ -1,0 +1,49 @@
+"""Gyro and gravity: how the inertial error walks, and which way is up."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..rotations import rotate
+from ..states import ACCEL, GYRO, TILT
+from .base import Factor, local_columns
+
+GRAVITY = 9.80665
+"""Standard gravity [m/s2]."""
+
+
+def gyro(turned: np.ndarray, sigma: np.ndarray) -> Factor:
+    """Return the factor of the inertial error from knot to knot.
+
+    Args:
+        turned: Integral of the integrated axes over the time of moving, interval by interval [s] (n, 3, 3).
+        sigma: One-sigma of the error's walk over each interval [rad] (n,).
+    """
+
+    def residual(before, after, scalars):
+        drift = turned @ scalars[GYRO]
+        return (after[:, TILT] - before[:, TILT] + drift) / sigma[:, None]
+
+    columns = local_columns(TILT, scalars=tuple(range(GYRO.start, GYRO.stop)))
+    return Factor("gyro", np.arange(len(turned)), columns, residual, (slice(0, 3),))
+
+
+def gravity(force: np.ndarray, axes: np.ndarray, seconds: np.ndarray, sigma: np.ndarray, tails: float) -> Factor:
+    """Return the factor of gravity's direction, averaged over each interval.
+
+    Args:
+        force: Mean specific force on Earth as integrated, less the change of velocity by the odometer [m/s2] (n, 3).
+        axes: Mean of the integrated axes over the time of each interval (n, 3, 3).
+        seconds: Length of each interval [s] (n,).
+        sigma: One-sigma of each mean [m/s2] (n,).
+        tails: Of Student's t, for knocks.
+    """
+    up = np.array([0.0, 0.0, GRAVITY])
+
+    def residual(before, after, scalars):
+        middle = 0.5 * (before[:, TILT] + after[:, TILT])
+        shown = rotate(middle, force - axes @ scalars[ACCEL])
+        return (shown - up)[:, :2] / sigma[:, None]
+
+    columns = local_columns(TILT, scalars=tuple(range(ACCEL.start, ACCEL.stop)))
+    return Factor("gravity", np.arange(len(seconds)), columns, residual, (slice(0, 2),), (tails,))

@@ -1,0 +1,173 @@
+"""The joint estimate: robot path, true section and buried layout from rings and whatever else there is."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from ..errors import InputError
+from .bends import find_bends
+from .data import Inertial, Rings, Ties
+from .iterate import Solution, iterate
+from .options import JointOptions
+from .problem import Problem
+from .results import SCALAR_NAMES, JointEstimate, at_rings
+from .start import first_axis, first_state, heading_of, straight_state
+from .states import DIRECTION, State, knots_over
+from .torus import bend_terms
+from .track import Track
+
+_FEWEST = 10
+_MISFIT = 1.5
+_ALONE = "rings alone show tilt to second order only: an odometer or an inertial log is needed"
+_NO_LOG = "without an inertial log nothing tells {}"
+
+
+def estimate_joint(
+    rings: Rings, inertial: Inertial | None = None, ties: Ties | None = None, options: JointOptions | None = None
+) -> JointEstimate:
+    """Return pose, section and layout that explain everything measured at once, with their covariance.
+
+    The model is maximum likelihood over knots along the odometer (`docs/estimator.md`): the robot's attitude is the
+    integrated gyro with slowly varying errors, the sensor moves along its forward axis up to a constant misalignment,
+    each ring is the oblique cut of the section where it stands, and the pipe runs smoothly but for kinks and bends.
+
+    Args:
+        rings: One fitted ellipse per ring, by odometer and time.
+        inertial: Rates and specific force; None when there is none. Needs `rings.time`.
+        ties: Known points of the axis; None when there are none.
+        options: Noise laws and priors.
+
+    Returns:
+        JointEstimate; what the given measurements cannot tell is NaN, with the reason in `why_missing`.
+
+    Raises:
+        InputError: Fewer than ten rings, rings out of order, or an inertial log that does not cover them.
+
+    Source: chapters 4 and 5 of the dissertation as one estimator (errata 1, 10 and 19).
+
+    >>> distance = np.arange(40) * 0.01
+    >>> shapes = np.tile([0.0, 0.0, 0.15, 0.002, 0.0], (40, 1))
+    >>> found = estimate_joint(Rings(distance, shapes, np.tile(np.eye(5) * 1e-8, (40, 1, 1))))
+    >>> (found.section[20, :2]).round(6).tolist(), found.why_missing["roll"][:29]
+    ([0.15, 0.002], 'without an inertial log nothi')
+    """
+    options = options or JointOptions()
+    _check(rings, inertial)
+    problem, state = _set_up(rings, inertial, ties, options)
+    solution = iterate(problem, state, lambda now: bend_terms(problem, now))
+    return _told(problem, solution, ties)
+
+
+def _check(rings: Rings, inertial: Inertial | None) -> None:
+    if rings.seen.sum() < _FEWEST:
+        raise InputError(
+            f"{int(rings.seen.sum())} rings have an ellipse", expected=f"at least {_FEWEST}", mend="estimate per ring"
+        )
+    if inertial is None:
+        return
+    if rings.time is None:
+        raise InputError("the rings have no time, so the inertial log cannot be joined", expected="rings.time [s]")
+    first, last = rings.time[0], rings.time[-1]
+    if inertial.time[0] > first + 1.0 or inertial.time[-1] < last - 1.0:
+        raise InputError(
+            f"the inertial log runs from {inertial.time[0]:.1f} to {inertial.time[-1]:.1f} s and does not cover the "
+            f"rings, {first:.1f} to {last:.1f} s",
+            expected="a log from the first ring to the last, by the same clock within a second",
+        )
+
+
+def _set_up(rings: Rings, inertial: Inertial | None, ties: Ties | None, options: JointOptions) -> tuple[Problem, State]:
+    knots = knots_over(float(rings.distance[0]), float(rings.distance[-1]), options.knot_step)
+    track = None if inertial is None else Track(rings, inertial)
+    shifted, north = None, False
+    problem = Problem(rings, options, knots, track, None, np.zeros(3), False)
+    if track is None:
+        return problem, straight_state(knots, rings)
+    if ties is not None and len(ties.distance):
+        # A robot's middle abreast of a tie leaves the sensor its lever further on.
+        shifted = Ties(
+            np.asarray(ties.distance, float), np.asarray(ties.position, float) - ties.position[0], ties.sigma
+        )
+        if rings.lever[0]:
+            shifted = replace(shifted, distance=shifted.distance - rings.lever[0])
+        seen = rings.seen
+        axis = first_axis(rings, problem.marks(rings.distance, 0.0))
+        heading = heading_of(axis[seen], rings.distance[seen], shifted)
+        north = heading is not None
+        if north:
+            track.turned(heading)
+    marks, at_knots = problem.marks(rings.distance, 0.0), problem.marks(knots, 0.0)
+    axis = first_axis(rings, marks)[rings.seen]
+    origin = -axis[0]
+    if shifted is not None:
+        shown = np.stack([np.interp(shifted.distance[0], rings.distance[rings.seen], axis[:, k]) for k in range(3)])
+        origin = shifted.position[0] - shown
+    state = first_state(knots, rings, marks, at_knots, origin)
+    return replace(problem, ties=shifted, origin=state.axis[0], north=north), state
+
+
+def _told(problem: Problem, solution: Solution, ties: Ties | None) -> JointEstimate:
+    values = at_rings(problem, solution)
+    why = _missing(problem)
+    state = solution.state
+    if problem.ties is not None:
+        values["axis"] = values["axis"] + ties.position[0]
+    bends = ()
+    if problem.track is not None:
+        way = np.linalg.norm(np.diff(state.axis, axis=0), axis=1)
+        bends = find_bends(np.concatenate([[0.0], np.cumsum(way)]), state.knots[:, DIRECTION])
+    for column, name in enumerate(("offset_y", "offset_z", "pitch", "yaw", "roll")):
+        if name in why:
+            values["pose"][:, column] = np.nan
+            values["pose_covariance"][:, column] = values["pose_covariance"][:, :, column] = np.nan
+    if "axis" in why:
+        for name in ("axis", "axis_covariance", "direction", "direction_sigma"):
+            values[name][:] = np.nan
+    if "chainage" in why:
+        values["chainage"][:] = np.nan
+    warnings = []
+    misfit = solution.misfits["rings"]
+    if misfit > _MISFIT:
+        warnings.append(
+            f"Rings differ from ellipses {np.sqrt(misfit):.1f} times more than their noise: the section has a shape "
+            "of its own, or the readings are noisier than they seem."
+        )
+    if not solution.converged:
+        warnings.append(f"The joint estimate had not come to rest after {solution.iterations} steps.")
+    corner = np.sqrt(np.diag(solution.covariance.corner))
+    told = SCALAR_NAMES if problem.track is not None else ("slip_up", "slip_right")
+    scalars = {
+        name: (float(state.scalars[k]), float(corner[k])) if name in told else (np.nan, np.nan)
+        for name, k in SCALAR_NAMES.items()
+    }
+    if problem.track is not None:
+        for k, name in enumerate(("gyro_bias_x", "gyro_bias_y", "gyro_bias_z")):
+            scalars[name] = (scalars[name][0] + float(problem.track.bias[k]), scalars[name][1])
+    return JointEstimate(
+        **values,
+        scalars=scalars,
+        bends=bends,
+        why_missing=why,
+        warnings=tuple(warnings),
+        misfit=misfit,
+        iterations=solution.iterations,
+        converged=solution.converged,
+    )
+
+
+def _missing(problem: Problem) -> dict[str, str]:
+    why = {}
+    if problem.track is None:
+        why["roll"] = _NO_LOG.format("which way is up; the section is drawn as the sensor holds it")
+        why["axis"] = why["gradient"] = _NO_LOG.format("how the pipe turns and falls")
+        if not problem.rings.odometer:
+            why["pitch"] = why["yaw"] = _ALONE
+    elif problem.ties is None:
+        why["north"] = "no ties: the layout starts at its first ring, heading as the robot did"
+    elif not problem.north:
+        why["north"] = "one place alone does not tell the way north; headings count from the robot's first"
+    if not problem.rings.odometer:
+        why["chainage"] = "nothing counted how far the robot came"
+    return why

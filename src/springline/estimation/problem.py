@@ -1,0 +1,200 @@
+"""The factors of one survey, made anew whenever the clocks' offset has moved."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from .data import Rings, Ties
+from .factors.axis import axis
+from .factors.base import Factor
+from .factors.inertial import gravity, gyro
+from .factors.odometry import odometry
+from .factors.priors import known, scalars
+from .factors.rings import RingFactor
+from .factors.section import section
+from .factors.sensor import Places
+from .options import JointOptions
+from .solver import Threads
+from .states import (
+    ACCEL,
+    AXIS,
+    AXLES,
+    CLOCK,
+    DIRECTION,
+    GYRO,
+    LEVER,
+    ORIGIN,
+    SCALARS,
+    SCALE,
+    SLIP_RIGHT,
+    SLIP_UP,
+    TILT,
+    State,
+    place,
+)
+from .track import REACH, Marks, Track
+
+_FIXED = 1e-9
+_LEVEL = 0.1
+_NORTH = 0.05
+"""One-sigma of the first attitude after alignment [rad]; looser ones only cost digits along a thousand knots."""
+
+
+@dataclass
+class Problem:
+    """Everything the estimate stands on.
+
+    Attributes:
+        rings: The rings.
+        options: Settings.
+        knots: Odometer reading at each knot [m].
+        track: The integrated inertial log; None when there is none.
+        ties: Known points with positions in the working frame; None when there are none.
+        origin: Where the axis is thought to begin, in the working frame [m] (3,).
+        north: Whether the ties tell the way north.
+    """
+
+    rings: Rings
+    options: JointOptions
+    knots: np.ndarray
+    track: Track | None
+    ties: Ties | None
+    origin: np.ndarray
+    north: bool
+
+    @property
+    def step(self) -> float:
+        """Odometer reading between knots [m]."""
+        return float(self.knots[1] - self.knots[0])
+
+    def marks(self, distance: np.ndarray, clock: float) -> Marks:
+        """Return the track at odometer readings."""
+        return self.track.at(distance, clock) if self.track is not None else level_marks(distance)
+
+    def places(
+        self,
+        distance: np.ndarray,
+        clock: float,
+        at_knots: Marks | None = None,
+        within: tuple[np.ndarray, np.ndarray] | None = None,
+    ) -> Places:
+        """Return places between the knots; `within` tells interval and share where they are known."""
+        at_knots = self.marks(self.knots, clock) if at_knots is None else at_knots
+        here = self.marks(distance, clock)
+        interval, share = place(distance, self.knots) if within is None else within
+        before, after = interval, interval + 1
+        return Places(
+            interval=interval,
+            share=share,
+            step=self.step,
+            reach=here.reach - at_knots.reach[before],
+            reach_by_clock=here.reach_by_clock - at_knots.reach_by_clock[before],
+            span=at_knots.reach[after] - at_knots.reach[before],
+            span_by_clock=at_knots.reach_by_clock[after] - at_knots.reach_by_clock[before],
+            axes=here.axes,
+            axes_by_clock=here.axes_by_clock,
+            clock=clock,
+            lever=self.rings.lever,
+        )
+
+    def factors(self, clock: float, bent: np.ndarray) -> dict[str, Factor]:
+        """Return all factors with the inertial clock near `clock`; `bent` as in `rings` (n, 5)."""
+        own, intervals = self.options, len(self.knots) - 1
+        at_knots = self.marks(self.knots, clock)
+        seen = self.rings.seen
+        places = self.places(self.rings.distance, clock, at_knots).rows(seen)
+        out = [
+            RingFactor(places, self.rings.parameters[seen], self.rings.covariance[seen], bent[seen]),
+            section(intervals, self.step, own.trend, own.wander, own.tails),
+            axis(intervals, self.step, own.kink, own.kink_tails, straight=self.track is None),
+        ]
+        if self.rings.odometer:
+            # By number: rounding must not put a knot into the interval before it.
+            every = (np.arange(intervals), np.zeros(intervals))
+            starts = self.places(self.knots[:-1], clock, at_knots, every)
+            root = np.sqrt(self.step)
+            out.append(odometry(starts, own.along * root, own.across * root, own.tails))
+            # Creep and wander of an attitude that nothing else tells cannot both be taken from the data.
+            out[-1].tuned = (False, self.track is not None)
+        # The inertial log's own factors do not ask what the rings' clock shows.
+        out += self._inertial(self.marks(self.knots, 0.0)) if self.track is not None else self._blind(intervals)
+        value = np.zeros(SCALARS)
+        value[ORIGIN] = self.origin
+        out += [*self._gauge(), scalars(value, self._priors())]
+        return {factor.name: factor for factor in out}
+
+    def _inertial(self, marks: Marks) -> list[Factor]:
+        own = self.options
+        seconds = np.maximum(np.diff(marks.time), 1e-6)
+        spread = np.diff(marks.spread, axis=0)
+        walk = np.sqrt(own.gyro_noise**2 * spread[:, 0] + spread[:, 1] + (1e-7) ** 2)
+        change = np.diff(marks.velocity, axis=0) / seconds[:, None]
+        force = np.diff(marks.force, axis=0) / seconds[:, None] - change
+        mean = np.diff(marks.still, axis=0) / seconds[:, None, None]
+        return [
+            gyro(np.diff(marks.moving, axis=0), walk),
+            gravity(force, mean, seconds, own.accel_noise / np.sqrt(seconds), own.tails),
+        ]
+
+    def _blind(self, intervals: int) -> list[Factor]:
+        """Return what takes the place of an inertial log: attitude wanders, roll and the pipe's direction stay."""
+        walk = np.full(intervals, self.options.turning * np.sqrt(self.step))
+        wanders = gyro(np.zeros((intervals, 3, 3)), walk)
+        wanders.tuned = (True,)
+        # The working frame's north is the pipe's own direction: roll is about it.
+        level = known("level", np.arange(intervals + 1), np.array([TILT.start + 1]), np.zeros(1), np.array([_FIXED]))
+        return [wanders, level]
+
+    def _gauge(self) -> list[Factor]:
+        first = np.zeros(1, np.int64)
+        out = []
+        # Beyond the last knot the axis goes nowhere: a state without a meaning.
+        last = np.array([len(self.knots) - 1])
+        out.append(known("end", last, np.arange(AXIS.start, AXIS.stop), np.zeros(3), np.ones(3)))
+        if self.track is None:
+            states = np.arange(DIRECTION.start, DIRECTION.stop)
+            out.append(known("straight", np.arange(len(self.knots)), states, np.zeros(2), np.full(2, _FIXED * 1e3)))
+            out.append(known("attitude", first, np.arange(TILT.start, TILT.stop), np.zeros(3), np.full(3, 0.1)))
+        else:
+            sigma = np.array([_LEVEL, _LEVEL, _NORTH if self.north else 1e-6])
+            out.append(known("attitude", first, np.arange(TILT.start, TILT.stop), np.zeros(3), sigma))
+        return out
+
+    def _priors(self) -> np.ndarray:
+        own = self.options
+        sigma = np.empty(SCALARS)
+        sigma[GYRO], sigma[ACCEL] = own.gyro_bias, own.accel_bias
+        if self.track is not None and self.track.bias_time > 0.0:
+            sigma[GYRO] = own.gyro_noise / np.sqrt(self.track.bias_time)
+        sigma[[SCALE, SLIP_UP, SLIP_RIGHT, LEVER, AXLES, CLOCK]] = (
+            own.scale,
+            own.slip,
+            own.slip,
+            own.lever,
+            own.axles,
+            own.clock,
+        )
+        sigma[ORIGIN] = 1.0 if self.ties is not None else 1e-6
+        if self.track is None:
+            sigma[[*range(GYRO.start, ACCEL.stop), CLOCK, SCALE]] = _FIXED
+        return sigma
+
+    def threads(self, state: State) -> Threads | None:
+        """Return the ties as the long threads from the origin along the axis that they are."""
+        if self.ties is None:
+            return None
+        interval, share = place(np.asarray(self.ties.distance, float), self.knots)
+        point = state.axis[interval] + share[:, None] * state.knots[interval, AXIS]
+        return Threads(interval, share, self.ties.position - point, np.asarray(self.ties.sigma, float))
+
+
+def level_marks(distance: np.ndarray) -> Marks:
+    """Return the track of a robot that drives straight north and level: the stand-in for a missing inertial log."""
+    count = len(distance)
+    axes = np.broadcast_to(np.array([[0.0, 0.0, 1.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]), (count, 3, 3))
+    reach = np.zeros((count, 3, REACH))
+    reach[:, :, :3], reach[:, :, 3:6] = axes * distance[:, None, None], axes
+    none = np.zeros((count, 3, 3))
+    return Marks(axes, reach, none, np.zeros_like(reach), distance, none[:, 0], none, none, none[:, 0, :2], none[:, 0])

@@ -1,0 +1,286 @@
+"""Block-tridiagonal systems with a border: solution and the blocks of the inverse that covariances need.
+
+The matrix is [[T, F], [F', H]]: T has blocks D[k] on its diagonal and E[k] = T[k, k+1] beside it, F joins every block
+with the border, H is the border's own. Memory and time grow with the number of blocks alone.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numba import njit
+
+from ..errors import InputError
+from .states import AXIS, ORIGIN
+
+
+@dataclass
+class Normal:
+    """Normal equations: blocks of the information matrix and of the right side.
+
+    Attributes:
+        diagonal: (knot, B, B).
+        beside: (knot - 1, B, B), rows of knot k, columns of knot k + 1.
+        border: (knot, B, G).
+        corner: (G, G).
+        right: (knot, B).
+        right_corner: (G,).
+    """
+
+    diagonal: np.ndarray
+    beside: np.ndarray
+    border: np.ndarray
+    corner: np.ndarray
+    right: np.ndarray
+    right_corner: np.ndarray
+
+    @classmethod
+    def zeros(cls, knots: int, block: int, scalars: int) -> Normal:
+        """Return empty normal equations."""
+        return cls(
+            np.zeros((knots, block, block)),
+            np.zeros((knots - 1, block, block)),
+            np.zeros((knots, block, scalars)),
+            np.zeros((scalars, scalars)),
+            np.zeros((knots, block)),
+            np.zeros(scalars),
+        )
+
+
+@dataclass
+class Factored:
+    """Solution and the needed part of the inverse.
+
+    Attributes:
+        knots: (knot, B) solution.
+        scalars: (G,) solution.
+        diagonal: (knot, B, B) covariance of each knot.
+        beside: (knot - 1, B, B) covariance of knot k with knot k + 1.
+        border: (knot, B, G) covariance with the scalars.
+        corner: (G, G) covariance of the scalars.
+        axis: (knot, 3, 3) covariance of the point of the axis at each knot.
+    """
+
+    knots: np.ndarray
+    scalars: np.ndarray
+    diagonal: np.ndarray
+    beside: np.ndarray
+    border: np.ndarray
+    corner: np.ndarray
+    axis: np.ndarray
+
+    def local(self, interval: np.ndarray) -> np.ndarray:
+        """Return the joint covariance (n, 2B + G, 2B + G) of the two knots of each interval and the scalars."""
+        block, scalars = self.border.shape[1:]
+        out = np.empty((len(interval), 2 * block + scalars, 2 * block + scalars))
+        a, b, c = slice(0, block), slice(block, 2 * block), slice(2 * block, None)
+        out[:, a, a], out[:, b, b] = self.diagonal[interval], self.diagonal[interval + 1]
+        out[:, a, b] = self.beside[interval]
+        out[:, b, a] = np.swapaxes(out[:, a, b], 1, 2)
+        out[:, a, c], out[:, b, c] = self.border[interval], self.border[interval + 1]
+        out[:, c, a], out[:, c, b] = np.swapaxes(out[:, a, c], 1, 2), np.swapaxes(out[:, b, c], 1, 2)
+        out[:, c, c] = self.corner
+        return out
+
+
+@dataclass(frozen=True)
+class Threads:
+    """Known points of the axis: each holds the origin and the sum of all ways before it.
+
+    Attributes:
+        interval: Knot before each (t,).
+        share: Of the interval that is passed (t,); outside 0..1 beyond the ends.
+        residual: Known less estimated point [m] (t, 3).
+        sigma: One-sigma of each coordinate [m] (t,).
+    """
+
+    interval: np.ndarray
+    share: np.ndarray
+    residual: np.ndarray
+    sigma: np.ndarray
+
+    def _weights(self, knots: int) -> np.ndarray:
+        rows = np.arange(knots)[:, None]
+        return np.where(rows < self.interval, 1.0, np.where(rows == self.interval, self.share, 0.0))
+
+    def columns(self, knots: int, block: int) -> np.ndarray:
+        """Return how each thread's three coordinates depend on the knots, (knot, block, 3 t)."""
+        out = np.zeros((knots, block, len(self.interval), 3))
+        for axis in range(3):
+            out[:, AXIS.start + axis, :, axis] = self._weights(knots)
+        return out.reshape(knots, block, -1)
+
+    def at_origin(self) -> np.ndarray:
+        """Return how they depend on the origin, (3, 3 t)."""
+        return np.tile(np.eye(3), len(self.interval))
+
+    def along(self, knots: np.ndarray, scalars: np.ndarray) -> np.ndarray:
+        """Return the threads' coordinates (3 t, n) for changes of the knots (knot, block, n) and scalars (G, n)."""
+        ways = np.einsum("kt,kan->tan", self._weights(len(knots)), knots[:, AXIS])
+        return (ways + scalars[ORIGIN]).reshape(-1, knots.shape[2])
+
+
+def solve(normal: Normal, threads: Threads | None = None) -> Factored:
+    """Return the solution of the normal equations and the covariance blocks.
+
+    Args:
+        normal: The equations; their matrix must be positive definite. Blocks and corner are laid out as in `states`.
+        threads: Known points of the axis, which no block alone can hold.
+
+    Raises:
+        InputError: The matrix is not positive definite: some state has no information at all.
+    """
+    # Every state is measured in its own one-sigma, so that metres and radians/second meet as equals.
+    scale = 1.0 / np.sqrt(np.maximum(np.einsum("kii->ki", normal.diagonal), 1e-300))
+    edge = 1.0 / np.sqrt(np.maximum(np.diag(normal.corner), 1e-300))
+    diagonal = normal.diagonal * scale[:, :, None] * scale[:, None, :]
+    beside = normal.beside * scale[:-1, :, None] * scale[1:, None, :]
+    count = len(normal.corner)
+    pulls = np.empty((*scale.shape, 0)) if threads is None else threads.columns(len(scale), scale.shape[1])
+    right = np.concatenate([normal.border * edge, normal.right[..., None], pulls], axis=2) * scale[:, :, None]
+    inverse, step, solved, good = _eliminate(diagonal, beside, right)
+    if not good:
+        raise InputError(
+            "the survey's equations are singular: a state has no information",
+            expected="finite measurements and priors",
+        )
+    border, follow = right[..., :count], solved[..., :count]
+    tied = np.einsum("kbg,kbh->gh", border, solved)
+    schur = normal.corner * edge[:, None] * edge - tied[:, :count]
+    corner = np.linalg.inv(0.5 * (schur + schur.T))
+    ends = np.concatenate([(normal.right_corner * edge)[:, None], np.zeros((count, pulls.shape[2]))], axis=1)
+    if threads is not None:
+        ends[ORIGIN, 1:] = threads.at_origin() * edge[ORIGIN, None]
+    # Columns: the solution without threads, then what each thread's pull would do.
+    moved_scalars = corner @ (ends - tied[:, count:])
+    moved = solved[..., count:] - follow @ moved_scalars
+    cross = -follow @ corner
+    blocks, beside_blocks = _selected(inverse, step)
+    ways = _ways(blocks * scale[:, :, None] * scale[:, None, :], beside_blocks * scale[:-1, :, None] * scale[1:, None])
+    blocks -= cross @ np.swapaxes(follow, 1, 2)
+    beside_blocks -= cross[:-1] @ np.swapaxes(follow[1:], 1, 2)
+    blocks *= scale[:, :, None] * scale[:, None, :]
+    beside_blocks *= scale[:-1, :, None] * scale[1:, None, :]
+    moved, moved_scalars = moved * scale[..., None], moved_scalars * edge[:, None]
+    corner = corner * edge[:, None] * edge
+    lean = np.eye(count)[ORIGIN] - _running(follow[:, AXIS] * scale[:, AXIS, None] / edge)
+    plain = Factored(
+        moved[..., 0],
+        moved_scalars[:, 0],
+        blocks,
+        beside_blocks,
+        cross * scale[:, :, None] * edge,
+        corner,
+        ways + lean @ corner @ np.swapaxes(lean, 1, 2),
+    )
+    return plain if threads is None else _pulled(plain, threads, moved[..., 1:], moved_scalars[:, 1:])
+
+
+def _pulled(plain: Factored, threads: Threads, moved: np.ndarray, moved_scalars: np.ndarray) -> Factored:
+    """Return the solution that also keeps the threads (Woodbury)."""
+    noise = np.repeat(threads.sigma**2, 3)
+    spread = threads.along(moved, moved_scalars)
+    gain = np.linalg.inv(0.5 * (spread + spread.T) + np.diag(noise))
+    left = threads.residual.ravel() - threads.along(plain.knots[..., None], plain.scalars[:, None])[:, 0]
+    pull = gain @ left
+    points = moved_scalars[ORIGIN] + _running(moved[:, AXIS])
+    drawn, drawn_scalars = moved @ gain, moved_scalars @ gain
+    return Factored(
+        plain.knots + moved @ pull,
+        plain.scalars + moved_scalars @ pull,
+        plain.diagonal - drawn @ np.swapaxes(moved, 1, 2),
+        plain.beside - drawn[:-1] @ np.swapaxes(moved[1:], 1, 2),
+        plain.border - drawn @ moved_scalars.T,
+        plain.corner - drawn_scalars @ moved_scalars.T,
+        plain.axis - points @ gain @ np.swapaxes(points, 1, 2),
+    )
+
+
+def _running(values: np.ndarray) -> np.ndarray:
+    """Return the sums of all blocks before each."""
+    out = np.zeros_like(values)
+    np.cumsum(values[:-1], axis=0, out=out[1:])
+    return out
+
+
+@njit(cache=True)
+def _ways(blocks, beside):
+    """Return the covariance (knot, 3, 3) of the sum of all ways (the first three states) before each knot.
+
+    Knots are a Markov chain: what the sum shares with the next knot it shares through this one.
+    """
+    knots, block = blocks.shape[:2]
+    out = np.zeros((knots, 3, 3))
+    shared = np.zeros((3, block))
+    for k in range(knots - 1):
+        out[k + 1] = out[k] + shared[:, :3] + shared[:, :3].T + blocks[k, :3, :3]
+        through = np.linalg.solve(blocks[k], beside[k])
+        shared = (shared + blocks[k, :3]) @ through
+    return out
+
+
+@njit(cache=True)
+def _eliminate(diagonal, beside, right):
+    """Return inverses of the pivots, the steps that eliminate each block, the solution of T X = right, and success.
+
+    Pivots are factored by Cholesky and lose a square, never a product, so that they stay symmetric to the last bit.
+    """
+    knots, block = diagonal.shape[:2]
+    inverse = np.empty_like(diagonal)
+    step = np.empty_like(beside)
+    solved = right.copy()
+    pivot = diagonal[0].copy()
+    lower = np.zeros((block, block))
+    for k in range(knots):
+        for j in range(block):
+            value = pivot[j, j]
+            for i in range(j):
+                value -= lower[j, i] * lower[j, i]
+            if not value > 0.0:
+                return inverse, step, solved, False
+            lower[j, j] = np.sqrt(value)
+            for m in range(j + 1, block):
+                value = pivot[m, j]
+                for i in range(j):
+                    value -= lower[m, i] * lower[j, i]
+                lower[m, j] = value / lower[j, j]
+        root = _invert(lower)
+        above = np.ascontiguousarray(root.T)
+        inverse[k] = above @ root
+        if k < knots - 1:
+            half = root @ beside[k]
+            step[k] = above @ half
+            pivot = diagonal[k + 1] - np.ascontiguousarray(half.T) @ half
+            solved[k + 1] -= np.ascontiguousarray(step[k].T) @ solved[k]
+    for k in range(knots - 1, -1, -1):
+        solved[k] = inverse[k] @ solved[k]
+        if k < knots - 1:
+            solved[k] -= step[k] @ solved[k + 1]
+    return inverse, step, solved, True
+
+
+@njit(cache=True)
+def _invert(lower):
+    """Return the inverse of a lower triangular matrix."""
+    size = len(lower)
+    out = np.zeros((size, size))
+    for j in range(size):
+        out[j, j] = 1.0 / lower[j, j]
+        for i in range(j + 1, size):
+            value = 0.0
+            for k in range(j, i):
+                value -= lower[i, k] * out[k, j]
+            out[i, j] = value / lower[i, i]
+    return out
+
+
+@njit(cache=True)
+def _selected(inverse, step):
+    """Return the diagonal blocks of the inverse of T, and the blocks beside them."""
+    blocks = inverse.copy()
+    beside = np.empty_like(step)
+    for k in range(len(step) - 1, -1, -1):
+        beside[k] = -step[k] @ blocks[k + 1]
+        blocks[k] -= beside[k] @ np.ascontiguousarray(step[k].T)
+    return blocks, beside

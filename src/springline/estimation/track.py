@@ -1,0 +1,199 @@
+"""The robot's own track: the gyro and the odometer integrated once, before anything is estimated.
+
+What the integration yields, less its slow errors, is exact at every frequency of the robot's weaving; the estimator
+then needs knots for the slow errors alone.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numba import njit
+
+from .data import Inertial, Rings
+from .rotations import matrix
+from .standstill import still_samples
+
+REACH = 7
+"""Columns of a reach: the three integrals of the robot's axes over distance, the three axes, and the turning."""
+_TURN = 0.02
+_SPEED = 0.25
+_GAP = 3.0
+
+
+@dataclass(frozen=True)
+class Marks:
+    """The track at given distances.
+
+    Attributes:
+        axes: Robot axes x, y, z in columns, on Earth (n, 3, 3).
+        reach: Columns as REACH says, on Earth (n, 3, REACH).
+        axes_by_clock: Change of `axes` per second of clock offset.
+        reach_by_clock: The same of `reach`.
+        time: Inertial clock at each [s] (n,).
+        force: Integral of specific force on Earth over time [m/s] (n, 3).
+        still: Integral of the axes over time [s] (n, 3, 3).
+        moving: Integral of the axes over the time of moving [s] (n, 3, 3).
+        spread: Integral of the gyro's error variance, in units of its random walk squared [s], and of what gaps add
+            [rad2] (n, 2).
+        velocity: On Earth, by the odometer [m/s] (n, 3).
+    """
+
+    axes: np.ndarray
+    reach: np.ndarray
+    axes_by_clock: np.ndarray
+    reach_by_clock: np.ndarray
+    time: np.ndarray
+    force: np.ndarray
+    still: np.ndarray
+    moving: np.ndarray
+    spread: np.ndarray
+    velocity: np.ndarray
+
+
+class Track:
+    """The inertial log integrated to attitudes on Earth, heading counted from an arbitrary north.
+
+    Args:
+        rings: For the odometer against time.
+        inertial: The log.
+
+    Attributes:
+        still: Whether the robot stood still at each sample (m,).
+        bias: Gyro bias that was taken off before integration [rad/s] (3,).
+        bias_time: How long the standstills lasted that gave it [s].
+    """
+
+    def __init__(self, rings: Rings, inertial: Inertial) -> None:
+        self._rings, self._log = rings, inertial
+        self.still = still_samples(inertial, rings.time)
+        steps = np.diff(inertial.time)
+        usual = np.median(steps)
+        self._gap = steps > _GAP * usual
+        self.bias_time = float(self.still.sum() * usual)
+        self.bias = inertial.gyro[self.still].mean(axis=0) if self.bias_time else np.zeros(3)
+        rate = np.where(self.still[:, None], 0.0, inertial.gyro - self.bias)
+        turn = 0.5 * (rate[1:] + rate[:-1]) * steps[:, None]
+        self._axes = _integrate(self._level(), turn)
+        self._rate = turn / steps[:, None]
+        both = self._axes[1:] + self._axes[:-1]
+        self._stood = _sum(0.5 * both * steps[:, None, None])
+        moves = ~(self.still[1:] & self.still[:-1])
+        self._moving = _sum(0.5 * both * (steps * moves)[:, None, None])
+        force = np.einsum("nij,nj->ni", self._axes, inertial.accel)
+        self._force = _sum(0.5 * (force[1:] + force[:-1]) * steps[:, None])
+        typical = float(np.mean(rate**2))
+        self._spread = _sum(np.stack([steps * moves, np.where(self._gap, typical * steps**2, 0.0)], axis=1))
+        self._active = _sum(steps * moves)
+
+    def _level(self) -> np.ndarray:
+        """Return the robot's axes at the first sample, level by the accelerometer's first second, heading north."""
+        log = self._log
+        rows = self.still if self.still[: len(log.time) // 2].any() else log.time < log.time[0] + 1.0
+        first = np.flatnonzero(rows)[0]
+        up = log.accel[first : first + max(int(np.sum(rows[first:])), 1)][: int(np.sum(rows))].mean(axis=0)
+        up = up / np.linalg.norm(up)
+        forward = np.array([1.0, 0.0, 0.0]) - up[0] * up
+        forward = forward / np.linalg.norm(forward)
+        # Rows east, north, up on the robot's axes: forward points north, and east is to its right.
+        return np.stack([np.cross(forward, up), forward, up])
+
+    def turned(self, heading: float) -> None:
+        """Turn the whole track clockwise by `heading` [rad]."""
+        turn = matrix(np.array([0.0, 0.0, -heading]))
+        for name in ("_axes", "_stood", "_moving"):
+            setattr(self, name, turn @ getattr(self, name))
+        self._force = self._force @ turn.T
+
+    def at(self, distance: np.ndarray, clock: float) -> Marks:
+        """Return the track at odometer readings (n,) [m], the inertial clock showing `clock` seconds too much."""
+        here, later = self._reaches(distance, clock), self._reaches(distance, clock + 1e-3)
+        axes, reach, time = here
+        force, stood, moving, spread = (
+            self._up_to(time, values) for values in (self._force, self._stood, self._moving, self._spread)
+        )
+        speed = (self._distance(time + _SPEED, clock) - self._distance(time - _SPEED, clock)) / (2.0 * _SPEED)
+        return Marks(
+            axes=axes,
+            reach=reach,
+            axes_by_clock=(later[0] - axes) / 1e-3,
+            reach_by_clock=(later[1] - reach) / 1e-3,
+            time=time,
+            force=force,
+            still=stood,
+            moving=moving,
+            spread=spread,
+            velocity=speed[:, None] * axes[..., 0],
+        )
+
+    def _reaches(self, distance: np.ndarray, clock: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        counted = self._distance(self._log.time, clock)
+        cumulated = _sum(0.5 * (self._axes[1:] + self._axes[:-1]) * np.diff(counted)[:, None, None])
+        time = self._when(distance, clock)
+        axes, row = self._attitude(time)
+        reach = cumulated[row] + 0.5 * (self._axes[row] + axes) * (distance - counted[row])[:, None, None]
+        ahead, behind = (self._attitude(self._when(distance + step, clock))[0][..., 0] for step in (_TURN, -_TURN))
+        turning = (ahead - behind) / (2.0 * _TURN)
+        return axes, np.concatenate([reach, axes, turning[..., None]], axis=2), time
+
+    def _attitude(self, time: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        row = np.clip(np.searchsorted(self._log.time, time, side="right") - 1, 0, len(self._rate) - 1)
+        since = np.clip(time - self._log.time[row], 0.0, None)
+        return self._axes[row] @ matrix(self._rate[row] * since[:, None]), row
+
+    def _up_to(self, time: np.ndarray, cumulated: np.ndarray) -> np.ndarray:
+        row = np.clip(np.searchsorted(self._log.time, time, side="right") - 1, 0, len(self._rate) - 1)
+        share = (time - self._log.time[row]) / (self._log.time[row + 1] - self._log.time[row])
+        share = share.reshape(-1, *([1] * (cumulated.ndim - 1)))
+        return cumulated[row] + share * (cumulated[row + 1] - cumulated[row])
+
+    def _distance(self, time: np.ndarray, clock: float) -> np.ndarray:
+        """Return the odometer reading at inertial times; standstills do not move it."""
+        return _extended(self._motion(time), self._motion(self._rings.time + clock), self._rings.distance)
+
+    def _when(self, distance: np.ndarray, clock: float) -> np.ndarray:
+        active = _extended(distance, self._rings.distance, self._motion(self._rings.time + clock))
+        # Arriving comes before standing still: the earliest time at which so much motion is done.
+        return np.interp(active, self._active + 1e-9 * np.arange(len(self._active)), self._log.time)
+
+    def _motion(self, time: np.ndarray) -> np.ndarray:
+        """Return how long the robot has been moving at each inertial time [s]."""
+        return np.interp(time, self._log.time, self._active)
+
+
+def _sum(steps: np.ndarray) -> np.ndarray:
+    """Return running sums that start at zero."""
+    return np.concatenate([np.zeros((1, *steps.shape[1:])), np.cumsum(steps, axis=0)])
+
+
+def _extended(x: np.ndarray, at: np.ndarray, values: np.ndarray) -> np.ndarray:
+    """Return `values` interpolated at x; beyond the first and last by at most what the ends' usual speed covers."""
+    inside = np.interp(x, at, values)
+    span = min(len(at) - 1, 50)
+    first = (values[span] - values[0]) / (at[span] - at[0])
+    last = (values[-1] - values[-1 - span]) / (at[-1] - at[-1 - span])
+    return inside + first * np.minimum(x - at[0], 0.0) + last * np.maximum(x - at[-1], 0.0)
+
+
+@njit(cache=True)
+def _integrate(first, turn):
+    """Return attitudes (m, 3, 3), robot axes in columns, turned step by step by rotation vectors in robot axes."""
+    out = np.empty((len(turn) + 1, 3, 3))
+    out[0] = first
+    for k in range(len(turn)):
+        x, y, z = turn[k]
+        square = x * x + y * y + z * z
+        angle = np.sqrt(square)
+        if angle > 1e-8:
+            a, b = np.sin(angle) / angle, (1.0 - np.cos(angle)) / square
+        else:
+            a, b = 1.0, 0.5
+        for i in range(3):
+            px, py, pz = out[k, i, 0], out[k, i, 1], out[k, i, 2]
+            # Row p of the attitude times the step's matrix I + a [w]x + b [w]x^2, written out.
+            d = px * x + py * y + pz * z
+            out[k + 1, i, 0] = px + a * (py * z - pz * y) + b * (d * x - square * px)
+            out[k + 1, i, 1] = py + a * (pz * x - px * z) + b * (d * y - square * py)
+            out[k + 1, i, 2] = pz + a * (px * y - py * x) + b * (d * z - square * pz)
+    return out

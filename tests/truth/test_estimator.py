@@ -1,0 +1,197 @@
+"""The joint estimate against simulated truth, within the accuracy and the uncertainty that it states."""
+
+import numpy as np
+import pytest
+
+from springline.estimation import Inertial, JointOptions, Rings, Ties, estimate_joint
+from springline.geometry.fitting import fit_ellipses_to_ranges
+from springline.simulate import parse, simulate
+
+WEAVING = """
+name = "short weave"
+[pipe]
+diameter = "300mm"
+heading_deg = {heading}
+gradient = -0.008
+start = [1000.0, 2000.0, 50.0]
+seed = 3
+run = [
+    {{ kind = "straight", length = 5.0 }},
+    {{ kind = "bend", radius = 1.5, angle_deg = 22.5, towards = "right" }},
+    {{ kind = "straight", length = 6.4 }},
+]
+joints = {{ spacing = 2.5, gap = "4mm", kink_sigma_deg = 0.1 }}
+water = [{{ depth = "8mm", start = 1.0 }}]
+[[pipe.section]]
+shape = "mode"
+mode = 1
+s1 = {{ mean = 0.975, amplitude = 0.005, period = 9.0 }}
+[robot]
+length = 0.5
+wheelbase = 0.35
+offset_z = {{ amplitude = 0.025, period = 3.0 }}
+offset_y = {{ amplitude = 0.004, period = 4.3 }}
+roll_deg = {{ amplitude = 3.0, period = 3.7 }}
+side_slip_deg = 0.3
+standstill = [{{ chainage = 0.25, duration = {stand} }}]
+[rings]
+spacing = "10mm"
+noise = "1mm"
+outliers = 0.02
+water_returns = 0.0
+[inertial]
+rate = 100.0
+gyro_bias_deg_h = [10.0, -10.0, 10.0]
+gyro_noise_deg_sqrt_h = 0.3
+accel_bias = [0.01, -0.01, 0.01]
+accel_noise = 0.0005
+[odometer]
+scale_error = 0.005
+[ties]
+chainages = [0.25, 11.7]
+sigma = "10mm"
+"""
+TERMS = ("offset_y", "offset_z", "pitch", "yaw", "roll")
+
+
+def survey(heading=30.0, stand=60.0, seed=0):
+    """Return rings, inertial log, ties and truth of a short weave."""
+    made = simulate(parse(WEAVING.format(heading=heading, stand=stand)), seed=seed)
+    data = made.rings
+    fits = fit_ellipses_to_ranges(data["range"].values, data["bearing"].values)
+    rings = Rings(data["distance"].values, fits.parameters, fits.covariance, data["time"].values)
+    log = Inertial(*(made.inertial[name].values for name in ("time", "gyro", "accel")))
+    known = made.ties
+    points = np.stack([known[name].values for name in ("easting", "northing", "elevation")], axis=1)
+    return rings, log, Ties(known["distance"].values, points, known["sigma"].values), made.truth
+
+
+def true_section(truth):
+    """Return r1 (across) and r2 (up) abreast of every ring; mode 1 is an upright ellipse."""
+    return np.stack(
+        [
+            np.interp(truth["ring_chainage"], truth["chainage"], truth[f"diameter_{axis}"].values / 2.0)
+            for axis in ("x", "y")
+        ],
+        axis=1,
+    )
+
+
+def radii(estimate):
+    """Return the same as estimated, with one-sigma."""
+    turn = np.array([[1.0, 1.0, 0.0], [1.0, -1.0, 0.0]])
+    spread = np.einsum("ai,nij,aj->na", turn, estimate.section_covariance, turn)
+    return estimate.section @ turn.T, np.sqrt(spread)
+
+
+def rms(values):
+    return float(np.sqrt(np.mean(np.square(values))))
+
+
+@pytest.fixture(scope="module")
+def weave():
+    rings, log, ties, truth = survey()
+    return rings, log, ties, truth, estimate_joint(rings, log, ties)
+
+
+def test_pose_section_and_layout_come_out_together(weave):
+    rings, _, _, truth, found = weave
+    error = found.pose - np.stack([truth[name].values for name in TERMS], axis=1)
+    assert found.converged
+    assert rms(error[:, :2]) < 0.1e-3
+    assert rms(error[:, 2:4]) < np.radians(0.25)
+    assert rms(error[:, 4]) < np.radians(0.1)
+    section, _ = radii(found)
+    alone = rings.parameters[:, 2:3] + rings.parameters[:, 3:4] * np.array([[1.0, -1.0]])
+    assert rms(section - true_section(truth)) < 0.05e-3
+    assert rms(section - true_section(truth)) < 0.25 * np.sqrt(np.nanmean((alone - true_section(truth)) ** 2))
+    axis = np.stack([np.interp(truth["ring_chainage"], truth["chainage"], truth[n]) for n in NORTHING], axis=1)
+    assert rms(np.linalg.norm(found.axis - axis, axis=1)) < 0.02
+
+
+NORTHING = ("easting", "northing", "elevation")
+
+
+def test_the_bend_is_a_line_an_arc_and_a_line(weave):
+    (bend,) = weave[4].bends
+    assert np.degrees(bend.angle) == pytest.approx(22.5, abs=0.5)
+    assert bend.radius == pytest.approx(1.5, rel=0.05)
+    assert np.degrees((bend.towards + np.pi) % (2.0 * np.pi) - np.pi) == pytest.approx(0.0, abs=2.0)
+    assert bend.start + 0.25 == pytest.approx(5.0, abs=0.03)
+
+
+def test_scalars_are_found_within_their_sigma(weave):
+    found = weave[4]
+    hour = np.radians(1.0) / 3600.0
+    truth = {
+        "gyro_bias_x": 10.0 * hour,
+        "gyro_bias_y": -10.0 * hour,
+        "gyro_bias_z": 10.0 * hour,
+        "odometer_scale": 1.0 / 1.005 - 1.0,
+        "slip_right": -np.tan(np.radians(0.3)),
+        "slip_up": 0.0,
+        "clock_offset": 0.0,
+        "axles": 0.0,
+    }
+    for name, value in truth.items():
+        estimate, sigma = found.scalars[name]
+        assert abs(estimate - value) < 3.0 * sigma, name
+    assert found.scalars["slip_right"][1] < 0.002
+
+
+def test_turning_the_earth_turns_the_layout_and_nothing_else(weave):
+    rings, log, ties, _, found = weave
+    c, s = np.cos(1.0), np.sin(1.0)
+    turn = np.array([[c, s, 0.0], [-s, c, 0.0], [0.0, 0.0, 1.0]])
+    other = estimate_joint(rings, log, Ties(ties.distance, ties.position @ turn.T + 5.0, ties.sigma))
+    np.testing.assert_allclose(other.pose, found.pose, atol=1e-6)
+    np.testing.assert_allclose(other.section, found.section, atol=1e-8)
+    np.testing.assert_allclose(other.axis, found.axis @ turn.T + 5.0, atol=1e-4)
+
+
+def test_without_ties_or_standstill_sigma_of_the_centreline_grows(weave):
+    rings, log, _, _, found = weave
+    free = estimate_joint(rings, log)
+    assert "north" in free.why_missing
+    assert free.axis_sigma[-1].max() > 3.0 * found.axis_sigma[-1].max()
+    rings, log, ties, _ = survey(stand=0.5)
+    hasty = estimate_joint(rings, log, ties)
+    assert hasty.axis_sigma[len(rings.distance) // 2, :2].max() > found.axis_sigma[len(rings.distance) // 2, :2].max()
+    assert hasty.scalars["gyro_bias_x"][1] > 1.2 * found.scalars["gyro_bias_x"][1]
+
+
+def test_clock_offset_of_50_ms_is_found_or_harmless(weave):
+    rings, log, ties, _, found = weave
+    late = estimate_joint(rings, Inertial(log.time + 0.05, log.gyro, log.accel), ties)
+    value, sigma = late.scalars["clock_offset"]
+    assert abs(value - 0.05) < 3.0 * sigma
+    assert rms(late.section - found.section) < 0.01e-3
+
+
+def test_rings_and_odometer_alone_tell_offsets_tilt_and_section(weave):
+    rings, _, _, truth, _ = weave
+    found = estimate_joint(rings)
+    before_bend = rings.distance < 4.0
+    assert set(found.why_missing) == {"roll", "axis", "gradient"}
+    assert np.isnan(found.pose[:, 4]).all() and np.isnan(found.axis).all()
+    # Without a log the sensor's own upright stands for up: what does not ask for it is how far, and how steeply.
+    pose = np.stack([truth[name].values for name in TERMS], axis=1)
+    far = [np.hypot(*values[before_bend, :2].T) for values in (found.pose, pose)]
+    steep = [np.hypot(*values[before_bend, 2:4].T) for values in (found.pose, pose)]
+    assert rms(far[0] - far[1]) < 0.15e-3
+    assert rms(steep[0] - steep[1]) < np.radians(0.5)
+
+
+def test_rings_alone_tell_no_tilt():
+    rings = survey()[0]
+    found = estimate_joint(Rings(rings.distance, rings.parameters, rings.covariance, odometer=False))
+    assert {"pitch", "yaw", "roll", "axis", "chainage"} <= set(found.why_missing)
+    assert np.isnan(found.pose[:, 2:]).all() and np.isfinite(found.pose[:, :2]).all()
+
+
+def test_rings_in_another_order_are_refused(weave):
+    rings = weave[0]
+    order = np.random.default_rng(0).permutation(len(rings.distance))
+    with pytest.raises(ValueError, match="does not increase"):
+        Rings(rings.distance[order], rings.parameters[order], rings.covariance[order])
+    assert JointOptions().knot_step > 0
