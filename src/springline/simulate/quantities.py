@@ -35,9 +35,9 @@ def as_varying_metres(value: object) -> object:
 
 _finite = Field(allow_inf_nan=False)
 Number = Annotated[float, _finite]
-Length = Annotated[float, BeforeValidator(as_metres), _finite]
-PositiveLength = Annotated[float, BeforeValidator(as_metres), Field(gt=0.0, allow_inf_nan=False)]
-NonNegativeLength = Annotated[float, BeforeValidator(as_metres), Field(ge=0.0, allow_inf_nan=False)]
+Length = Annotated[float, _finite, BeforeValidator(as_metres)]
+PositiveLength = Annotated[float, Field(gt=0.0, allow_inf_nan=False), BeforeValidator(as_metres)]
+NonNegativeLength = Annotated[float, Field(ge=0.0, allow_inf_nan=False), BeforeValidator(as_metres)]
 NonNegative = Annotated[float, Field(ge=0.0, allow_inf_nan=False)]
 Share = Annotated[float, Field(ge=0.0, le=1.0)]
 Varying = Annotated[Profile, BeforeValidator(as_profile)]

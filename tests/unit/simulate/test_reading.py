@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import importlib.util
+from pathlib import Path
+
 import pytest
 
 from springline.errors import FormatError, InputError, ParameterError
@@ -159,3 +162,11 @@ def test_files_that_are_not_there_or_not_toml(tmp_path):
     path.write_text("name = [", encoding="utf-8")
     with pytest.raises(FormatError, match=r"bad\.toml"):
         load(path)
+
+
+def test_the_manual_is_made_from_the_models():
+    root = Path(__file__).parents[3]
+    spec = importlib.util.spec_from_file_location("make_scenarios", root / "docs" / "make_scenarios.py")
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    assert (root / "docs" / "scenarios.md").read_text(encoding="utf-8") == module.page()
