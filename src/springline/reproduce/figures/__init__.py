@@ -1,0 +1,52 @@
+"""The dissertation's figures, each made by one function; a chapter's figures are added by a line in `MAKERS`."""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import TYPE_CHECKING
+
+from springline.errors import ParameterError, nearest
+
+if TYPE_CHECKING:
+    from springline.reproduce.figure import Figure
+
+MAKERS = {
+    "4.1": "offsets:coverage",
+    "4.4": "offsets:deformation_offset",
+    "4.6": "offsets:pitch_offset",
+    "4.8": "bends:tori",
+    "4.11": "bends:sharp_alone",
+    "4.12": "bends:smooth_alone",
+    "4.13": "bends:sharp_together",
+    "4.14": "bends:smooth_together",
+    "4.15": "bends:verification",
+    "5.2": "oblique:extremes",
+    "5.4": "oblique:shapes",
+    "5.5": "roots:root_sign",
+    "5.6": "convergence:wild_guess",
+    "5.7": "convergence:close_guess",
+    "5.8": "convergence:five_guess",
+    "5.11": "scanner:correction",
+}
+"""Module and function of each figure, in the order of the text."""
+
+
+def figure(number: str) -> Figure:
+    """Return a figure made again, as SVG, with the text's statements about it checked.
+
+    Args:
+        number: As cited in the text, such as "5.6".
+
+    Raises:
+        ParameterError: There is no such figure here.
+
+    >>> made = figure("5.7")
+    >>> made.svg[:4], [check.holds for check in made.checks]
+    ('<svg', [True, True])
+    """
+    if number not in MAKERS:
+        raise ParameterError(
+            f"figure {number!r} is not known{nearest(number, MAKERS)}", expected=f"one of {', '.join(MAKERS)}"
+        )
+    module, function = MAKERS[number].split(":")
+    return getattr(import_module(f"{__name__}.{module}"), function)()
