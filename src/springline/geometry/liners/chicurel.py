@@ -14,7 +14,7 @@ from scipy.special import ellipeinc
 
 from ...conventions import CROWN
 from ..sections.checks import TOLERANCE, between, positive
-from ..sections.search import golden
+from ..sections.search import golden, rising_root
 from .lobes import wrapped
 
 if TYPE_CHECKING:
@@ -162,14 +162,14 @@ class ChicurelLobe:
         return radius, radius * turned.real / turned.imag, (np.conj(tangent) * bend).imag / np.abs(tangent) ** 3
 
     def _along_chord(self, offset: Array, u: Array) -> Array:
-        """Return the place x >= 0 on the chord at which the lobe is seen at an angle from its centre, by bisection."""
+        """Return the place x >= 0 on the chord at which the lobe is seen at an angle from its centre."""
         cos, sin = np.cos(offset), np.sin(offset)
-        low, high = np.zeros(np.broadcast_shapes(offset.shape, u.shape)), np.broadcast_to(self.k, offset.shape)
-        for _ in range(54):
-            x = 0.5 * (low + high)
-            short = x * cos < (_w(self.k) + shape(x, self.k, u)[0]) * sin
-            low, high = np.where(short, x, low), np.where(short, high, x)
-        return 0.5 * (low + high)
+
+        def ahead(x: Array) -> tuple[Array, Array]:
+            y, slope, _ = shape(x, self.k, u)
+            return x * cos - (_w(self.k) + y) * sin, cos - slope * sin
+
+        return rising_root(ahead, np.zeros_like(offset * u), np.broadcast_to(self.k, np.shape(offset * u)))
 
     def _centre(self, r1: ArrayLike, r2: ArrayLike) -> Array:
         return np.arctan2(np.sin(self.bearing) / r2, np.cos(self.bearing) / r1)

@@ -96,7 +96,7 @@ def _outside(liner: Liner) -> Array:
     # a lobe that protrudes does so close to its edges, where the grid must be dense
     node = quadrature.rule(20)[0]
     span = np.diff(breaks, axis=-1, append=breaks[..., :1] + 2 * np.pi)
-    dense = (breaks[..., None] + span[..., None] * node).reshape(*breaks.shape[:-1], -1)
+    dense = quadrature.flat(breaks[..., None] + span[..., None] * node)
     grid = np.concatenate([np.broadcast_to(turn, (*breaks.shape[:-1], turn.size)), dense], axis=-1)
 
     def leaving(theta: Array) -> Array:

@@ -9,6 +9,7 @@ import numpy as np
 from scipy.special import ellipe
 
 from ..sections.checks import between, positive
+from ..sections.search import rising_root
 from .lined import Joints, Liner
 
 if TYPE_CHECKING:
@@ -122,17 +123,17 @@ class QuasiEllipse(Liner):
         return point, tangent, bend
 
     def _theta(self, bearing: Array) -> Array:
-        """Return the bearing before the deflection, by bisection in the folded quadrant."""
+        """Return the bearing before the deflection, found in the folded quadrant."""
         cos, sin = np.abs(np.cos(bearing)), np.abs(np.sin(bearing))
         r, d = self.r[..., None], self.d0[..., None]
-        shape = np.broadcast_shapes(bearing.shape, r.shape)
-        low, high = np.zeros(shape), np.full(shape, np.pi / 2)
-        for _ in range(54):
-            theta = 0.5 * (low + high)
+
+        def ahead(theta: Array) -> tuple[Array, Array]:
             c, s = np.cos(theta), np.sin(theta)
-            short = (r * c + d * c**3) * sin > (r * s - d * s**3) * cos
-            low, high = np.where(short, theta, low), np.where(short, high, theta)
-        folded = 0.5 * (low + high)
+            z, y, by_z, by_y = r * c + d * c**3, r * s - d * s**3, -s * (r + 3.0 * d * c * c), c * (r - 3.0 * d * s * s)
+            return y * cos - z * sin, by_y * cos - by_z * sin
+
+        none = np.zeros(np.broadcast_shapes(bearing.shape, r.shape))
+        folded = rising_root(ahead, none, none + np.pi / 2)
         mirrored = np.where(np.cos(bearing) < 0.0, np.pi - folded, folded)
         return np.where(np.sin(bearing) < 0.0, -mirrored, mirrored)
 

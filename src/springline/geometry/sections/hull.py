@@ -6,6 +6,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from .quadrature import flat
+
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
@@ -31,8 +33,7 @@ def perimeter(section: Section) -> Array:
 
     breaks = section.panels
     span = np.diff(breaks, axis=-1, append=breaks[..., :1] + 2 * np.pi)
-    steps = breaks[..., None] + span[..., None] * (np.arange(_STEPS) / _STEPS)
-    theta = steps.reshape(*breaks.shape[:-1], -1)
+    theta = flat(breaks[..., None] + span[..., None] * (np.arange(_STEPS) / _STEPS))
     z, y, length = (x.reshape(-1, theta.shape[-1]) for x in (*section.contour(theta), _lengths(section, theta)))
     out = np.empty(z.shape[0])
     kernels.hull_length(z, y, length, out)
@@ -42,6 +43,6 @@ def perimeter(section: Section) -> Array:
 def _lengths(section: Section, theta: Array) -> Array:
     """Return the contour's length from each sample to the next."""
     span = np.diff(theta, axis=-1, append=theta[..., :1] + 2 * np.pi)
-    inner = (theta[..., None] + span[..., None] * (0.5 + 0.5 * _NODES)).reshape(*theta.shape[:-1], -1)
+    inner = flat(theta[..., None] + span[..., None] * (0.5 + 0.5 * _NODES))
     speed = np.hypot(section.polar_radius(inner), section.polar_slope(inner))
-    return 0.5 * span * (speed.reshape(*theta.shape, -1) @ _WEIGHTS)
+    return 0.5 * span * (speed.reshape(*theta.shape, _NODES.size) @ _WEIGHTS)

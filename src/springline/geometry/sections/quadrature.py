@@ -57,5 +57,13 @@ def spread(breaks: Array, half: int = 60) -> tuple[Array, Array]:
     node, weight = rule(half)
     span = np.diff(breaks, axis=-1, append=breaks[..., :1] + 2 * np.pi)
     bearing = breaks[..., None] + span[..., None] * node
-    flat = (*breaks.shape[:-1], breaks.shape[-1] * node.size)
-    return bearing.reshape(flat), (span[..., None] * weight).reshape(flat)
+    return flat(bearing), flat(span[..., None] * weight)
+
+
+def flat(nodes: Array) -> Array:
+    """Return (..., P, n) as (..., P n), also for an empty batch.
+
+    >>> flat(np.zeros((0, 4, 3))).shape
+    (0, 12)
+    """
+    return nodes.reshape(*nodes.shape[:-2], nodes.shape[-2] * nodes.shape[-1])

@@ -40,13 +40,45 @@ def maximise(function: Callable[[Array], Array], grid: Array, values: Array, ste
     return np.maximum(peak, value), np.where(value > peak, where, at)
 
 
-def golden(function: Callable[[Array], Array], low: Array, high: Array, *, steps: int = 60) -> tuple[Array, Array]:
-    """Return the largest value of a function with one peak in [low, high], and where it lies, element by element."""
+def golden(function: Callable[[Array], Array], low: Array, high: Array, *, steps: int = 45) -> tuple[Array, Array]:
+    """Return the largest value of a function with one peak in [low, high], and where it lies, element by element.
+
+    >>> value, where = golden(lambda t: -((t - 0.3) ** 2), np.array([0.0]), np.array([1.0]))
+    >>> where.round(6).tolist()
+    [0.3]
+    """
     left, right = high - _GOLDEN * (high - low), low + _GOLDEN * (high - low)
     at_left, at_right = function(left), function(right)
     for _ in range(steps):
         rising = at_left < at_right
         low, high = np.where(rising, left, low), np.where(rising, high, right)
-        left, right = high - _GOLDEN * (high - low), low + _GOLDEN * (high - low)
-        at_left, at_right = function(left), function(right)
+        fresh = np.where(rising, low + _GOLDEN * (high - low), high - _GOLDEN * (high - low))
+        at_fresh = function(fresh)
+        left, right = np.where(rising, right, fresh), np.where(rising, fresh, left)
+        at_left, at_right = np.where(rising, at_right, at_fresh), np.where(rising, at_fresh, at_left)
     return np.maximum(at_left, at_right), np.where(at_left > at_right, left, right)
+
+
+def rising_root(function: Callable[[Array], tuple[Array, Array]], low: Array, high: Array, *, steps: int = 60) -> Array:
+    """Return where a rising function crosses zero in [low, high], by Newton's steps kept inside a shrinking bracket.
+
+    Args:
+        function: Arguments to values and slopes, element by element.
+        low, high: Brackets; they broadcast to the arguments' shape.
+        steps: At most so many; it ends when nothing moves any more.
+
+    >>> rising_root(lambda t: (t**3 - 2.0, 3.0 * t**2), np.array([0.0]), np.array([2.0])).round(12).tolist()
+    [1.259921049895]
+    """
+    at = 0.5 * (low + high)
+    for _ in range(steps):
+        value, slope = function(at)
+        low, high = np.where(value < 0.0, at, low), np.where(value < 0.0, high, at)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            newton = at - value / slope
+        moved = np.where((newton > low) & (newton < high), newton, 0.5 * (low + high))
+        still = np.abs(moved - at) <= 4e-16 * np.abs(moved)
+        at = np.where(value == 0.0, at, moved)
+        if np.all(still | (value == 0.0) | np.isnan(value)):
+            break
+    return at
