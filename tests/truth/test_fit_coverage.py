@@ -96,6 +96,17 @@ def test_intervals_hold_the_truth_with_few_readings(count, robust):
     assert (share <= 0.98).all(), share
 
 
+@pytest.mark.parametrize("robust", [True, False])
+def test_intervals_hold_the_truth_with_the_sensor_far_off_centre(robust):
+    """Rays then meet the wall aslant, and distances to it vary less than the ranges do."""
+    centre = (0.3, -0.45)
+    noise = 0.03 * np.random.default_rng(8).standard_normal((TRIALS, BEARINGS.size))
+    fits = fit_ellipses_to_ranges(wall(BEARINGS, half=0.04, centre=centre) + noise, BEARINGS, robust=robust)
+    share = held(fits.parameters, fits.sigma, [*centre, *truth(0.04)[2:]])
+    assert (share >= 0.92).all(), share
+    assert (share <= 0.98).all(), share
+
+
 @pytest.mark.parametrize("method", ["bookstein", "fitzgibbon", "gander"])
 def test_algebraic_ellipse_intervals_hold_the_truth_at_little_noise(method):
     """Their bias is of the second order in the noise: under a tenth of a sigma at 0.2 % even on an oval pipe."""
