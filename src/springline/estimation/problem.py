@@ -36,7 +36,7 @@ from .states import (
 )
 from .track import REACH, Marks, Track
 
-_FIXED = 1e-9
+_FIXED = 1e-6
 _LEVEL = 0.1
 _NORTH = 0.05
 """One-sigma of the first attitude after alignment [rad]; looser ones only cost digits along a thousand knots."""
@@ -155,7 +155,11 @@ class Problem:
         out.append(known("end", last, np.arange(AXIS.start, AXIS.stop), np.zeros(3), np.ones(3)))
         if self.track is None:
             states = np.arange(DIRECTION.start, DIRECTION.stop)
-            out.append(known("straight", np.arange(len(self.knots)), states, np.zeros(2), np.full(2, _FIXED * 1e3)))
+            out.append(known("straight", np.arange(len(self.knots)), states, np.zeros(2), np.full(2, _FIXED)))
+            if not self.rings.odometer:
+                forward = np.array([0.0, self.step, 0.0])
+                ways = np.arange(AXIS.start, AXIS.stop)
+                out.append(known("spacing", np.arange(len(self.knots) - 1), ways, forward, np.full(3, self.step)))
             out.append(known("attitude", first, np.arange(TILT.start, TILT.stop), np.zeros(3), np.full(3, 0.1)))
         else:
             sigma = np.array([_LEVEL, _LEVEL, _NORTH if self.north else 1e-6])
