@@ -156,7 +156,7 @@ def build_pipe(pipe: pipes.Pipe) -> Pipe:
 def _walk(pipe: pipes.Pipe, laid: list[Span], all_joints: list[pipes.Joint], breaks: list[float]) -> list[Cell]:
     """Return the cells: spans cut at joints' edges and at breaks, each placed where the last one ended."""
     length = laid[-1].end
-    edges = {round(j.chainage + side * j.gap, 9): j for j in all_joints for side in (-0.5, 0.5)}
+    edges = {j.chainage + side * j.gap for j in all_joints for side in (-0.5, 0.5)}
     cuts = sorted({0.0, length, *(s.end for s in laid), *breaks, *edges})
     cuts = [a for a, b in zip(cuts, [*cuts[1:], np.inf], strict=True) if b - a > _LEAST and a < length] + [length]
     point, frame = np.array(pipe.start, float), level_frame(direction(radians(pipe.heading_deg), pipe.gradient))
@@ -176,8 +176,8 @@ def _walk(pipe: pipes.Pipe, laid: list[Span], all_joints: list[pipes.Joint], bre
         point, tangent = along(cell, cell.length)
         turn = span.curvature * cell.length
         inward = np.cos(turn) * inward - np.sin(turn) * frame[0]
-        joint = edges.get(round(end, 9))
-        if joint is not None and joint.chainage <= end + _LEAST:
+        joint = next((j for j in all_joints if abs(j.chainage + 0.5 * j.gap - end) < 10.0 * _LEAST), None)
+        if joint is not None:
             point, tangent, inward = _past(joint, point, tangent, inward)
         frame = level_frame(tangent)
     return cells
