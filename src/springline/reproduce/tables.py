@@ -46,6 +46,8 @@ REASONS = {
 
 _DESIGN = {"modulus": 72500.0 * PSI, "poisson": 0.35, "enhancement": 7.0, "safety": 2.0}
 _INCH = 0.0254
+_GROUPS = {"axes": "mean of the axes", "polar": "polar mean", "difference": "difference"}
+_UNITS = {"q": " [%]", "C": "", "P": " [psi]", "t": " [in]"}
 _MEAN_DIAMETER, _THICKNESS, _PRESSURE = 8.0, 0.2462, 20.0
 
 
@@ -96,6 +98,27 @@ class ReproducedTable:
     def matches_corrected(self) -> NDArray[np.bool_]:
         """Whether the corrected value rounds to each printed cell."""
         return np.array(self.corrected_text) == np.array(self.printed)
+
+    @cached_property
+    def reasons(self) -> tuple[str, ...]:
+        """The keys of REASONS that apply to some cell."""
+        rows, columns = range(len(self.rows)), range(len(self.columns))
+        found = [self.reason(i, j) for i in rows for j in columns]
+        return tuple(dict.fromkeys(key for key in found if key))
+
+    @property
+    def groups(self) -> tuple[tuple[str, int], ...]:
+        """The headings over neighbouring columns, and how many each spans."""
+        names = [column.split()[1] for column in self.columns]
+        return tuple((_GROUPS[name], names.count(name)) for name in dict.fromkeys(names))
+
+    @property
+    def headings(self) -> tuple[str, ...]:
+        """Symbol and unit of each column."""
+        return tuple(
+            f"{symbol}{_UNITS['q' if group == 'difference' else symbol]}"
+            for symbol, group in (column.split() for column in self.columns)
+        )
 
     def reason(self, row: int, column: int) -> str:
         """Return the key of REASONS for a cell that is printed otherwise than corrected, else an empty string."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from math import ceil, floor, log10
 from typing import TYPE_CHECKING
 
@@ -63,8 +64,16 @@ def number(value: float) -> str:
 
 def escaped(text: str) -> str:
     """Return a text for SVG: markup escaped, a proper minus before digits."""
-    text = text.replace("&", "&amp;").replace("<", "&lt;").replace(">", "&gt;")
-    return "".join("−" if c == "-" and text[k + 1 : k + 2].isdigit() else c for k, c in enumerate(text))
+    return proper_minus(text.replace("&", "&amp;").replace("<", "&lt;").replace(">", "&gt;"))
+
+
+def proper_minus(text: str) -> str:
+    """Return a text whose negative numbers and differences have a minus sign; hyphens and exponents stay.
+
+    >>> proper_minus("-0.32 to 1 - 1e-9, ring-wise")
+    '−0.32 to 1 − 1e-9, ring-wise'
+    """
+    return re.sub(r"(?<![\w.])-(?=[\d.])|(?<= )-(?= )", "−", text)
 
 
 def ticks(low: float, high: float, about: int) -> list[float]:

@@ -174,8 +174,8 @@ def five_guess() -> Figure:
         Check(
             "Three rings determine five unknowns",
             "",
-            f"singular at the solution: singular values differ by {below(singular_ratio())}; steps shrink only "
-            f"{1 / np.sqrt(rate):.1f} times an iteration",
+            f"singular at the solution, where the smallest singular value is below {below(singular_ratio())} of the "
+            f"largest; steps shrink only {1 / np.sqrt(rate):.1f} times an iteration",
             False,
             "Erratum 1: along its axes the ring form is stationary, so that roll has no first-order effect on the two "
             "equations a ring is given. With all three, two rings give five unknowns.",
