@@ -23,6 +23,9 @@ SCALE_KAPPA = 0.6324068194537749
 SCALE_POWER = 1.7
 """Overrelaxation of the scale: its fixed-point steps alone leave 0.43 of the logarithmic error each time."""
 
+SETTLED = 30
+"""Iterations after which the noise of a robust fit no longer changes."""
+
 FLOOR = 1e-13
 """Smallest noise that is told from rounding, in units of the rms radius."""
 
@@ -144,7 +147,7 @@ def refine(p, z, y, prior, n, par, robust, tolerance, rows, sums, small):
             sigma = _next_scale(sums, sigma, n, p)
     weigh(distance, prior, n, sigma, robust, omega, sums)
     damping = 0.0
-    for _ in range(100):
+    for count in range(100):
         gram(p, n, jacobian, distance, omega, normal, gradient)
         loss = sums[LOSS]
         if not robust:
@@ -175,6 +178,8 @@ def refine(p, z, y, prior, n, par, robust, tolerance, rows, sums, small):
         for a in range(p):
             par[a] = trial[a]
         if robust:
-            sigma = _next_scale(sums, sigma, n, p)
+            # a shape that is no ellipse can make scale and weights chase each other; the scale stops first
+            if count < SETTLED:
+                sigma = _next_scale(sums, sigma, n, p)
             weigh(distance, prior, n, sigma, robust, omega, sums)
     return False, sigma
