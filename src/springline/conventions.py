@@ -108,6 +108,7 @@ FIT_STATUS = {
     4: "no convergence",
     5: "not an ellipse",
     6: "readings too scattered",
+    7: "shape not determined",
 }
 """Why a station has a section or has none: the flag values of `/section` status."""
 
@@ -159,6 +160,14 @@ _RING_VARIABLES = (
     ),
     _v("time", "ring", "s", "time of the ring"),
     _v("intensity", "ring bearing", "1", "returned intensity", "float32"),
+    _v("sensor_y", "ring", "m", "height of the sensor above the pipe's axis (rings cut from a cloud)"),
+    _v("sensor_z", "ring", "m", "sensor to the right of the pipe's axis (rings cut from a cloud)"),
+    _v("sensor_pitch", "ring", "rad", "nose up, in the pipe (rings cut from a cloud)"),
+    _v("sensor_yaw", "ring", "rad", "nose to the right, in the pipe (rings cut from a cloud)"),
+    _v("sensor_y_sigma", "ring", "m", "one-sigma of sensor_y"),
+    _v("sensor_z_sigma", "ring", "m", "one-sigma of sensor_z"),
+    _v("sensor_pitch_sigma", "ring", "rad", "one-sigma of sensor_pitch"),
+    _v("sensor_yaw_sigma", "ring", "rad", "one-sigma of sensor_yaw"),
 )
 _RING_ATTRIBUTES = (
     ("referred_to", "sensor or axis: a ring already about the pipe's axis is never pose-corrected again"),
@@ -168,6 +177,8 @@ _RING_ATTRIBUTES = (
     ("bearing_sense", "ccw or cw, looking forward"),
     ("bearing_assumed", "1 when zero and sense were assumed, 0 when the file or the user stated them"),
     ("range_noise", "one-sigma of a reading [m], when known"),
+    ("wall_share", "share of wall among what a cloud shows near the pipe's axis, 0 to 1"),
+    ("diameter_doubt", "relative one-sigma to add to every diameter as it is in doubt which readings are of the wall"),
     ("range_max", "longest range that the sensor reports [m], when known"),
     ("position_x", "sensor's origin ahead of the point whose way the odometer counts [m], when known"),
     ("position_y", "sensor's origin above that point, in robot axes [m], when known"),

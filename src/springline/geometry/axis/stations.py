@@ -1,0 +1,127 @@
+"""From points about a centreline to rings: one robust range per station and bearing, and which stations to trust."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from springline.geometry.axis._rows import row_median
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from springline.geometry.axis.centreline import Placed
+
+_WALL = 0.15
+"""A range counts as wall when it is within this of the typical radius, in radii."""
+_OUTER = 2.0
+"""Points beyond this many radii are not looked at."""
+_LEAST_CELLS = 0.03
+"""Share of its bearings over which a trusted station shows wall."""
+_MOST_SCATTER = 0.05
+"""A station whose readings scatter more than this about the wall, in radii, tells nothing about its shape."""
+_BRIDGE = 3.0
+"""Gaps up to this many radii are bridged: what lies beyond a longer one is not taken for the same pipe."""
+
+
+@dataclass(frozen=True)
+class Stations:
+    """Rings at equal steps along a centreline.
+
+    Attributes:
+        distance: (station,) of their middles along the centreline [m].
+        ranges: (station, bearing) median range from the centreline to the points of a cell [m]; NaN = no point.
+        bearings: (bearing,) middles of the cells, from +z counter-clockwise [rad].
+        count: (station, bearing) points in the cell.
+    """
+
+    distance: NDArray[np.float64]
+    ranges: NDArray[np.float64]
+    bearings: NDArray[np.float64]
+    count: NDArray[np.int64]
+
+    def __getitem__(self, rows: slice | NDArray) -> Stations:
+        return Stations(self.distance[rows], self.ranges[rows], self.bearings, self.count[rows])
+
+
+def cut_stations(placed: Placed, start: float, spacing: float, number: int, bearings: int, reach: float) -> Stations:
+    """Return rings from points about a centreline.
+
+    Args:
+        placed: The points.
+        start: Where the first station begins along the centreline [m].
+        spacing: Length of a station [m].
+        number: How many stations.
+        bearings: How many bearings; the first lies at +z.
+        reach: Points further from the centreline are left out [m].
+    """
+    radius = np.hypot(placed.y, placed.z)
+    station = np.floor((placed.along - start) / spacing)
+    keep = (station >= 0) & (station < number) & (radius < reach)
+    radius, station = radius[keep], station[keep].astype(np.int64)
+    turn = np.arctan2(placed.y[keep], placed.z[keep]) * (bearings / (2.0 * np.pi))
+    cell = station * bearings + np.mod(np.rint(turn).astype(np.int64), bearings)
+    # One sort brings cells together and orders the ranges within each.
+    order = np.argsort(cell + radius * (0.999 / reach), kind="stable")
+    cell, radius = cell[order], radius[order]
+    count = np.bincount(cell, minlength=number * bearings)
+    filled = np.flatnonzero(count)
+    first = np.cumsum(count)[filled] - count[filled]
+    low, high = first + (count[filled] - 1) // 2, first + count[filled] // 2
+    ranges = np.full(number * bearings, np.nan)
+    ranges[filled] = 0.5 * (radius[low] + radius[high])
+    return Stations(
+        start + spacing * (np.arange(number) + 0.5),
+        ranges.reshape(number, bearings),
+        np.arange(bearings) * (2.0 * np.pi / bearings),
+        count.reshape(number, bearings),
+    )
+
+
+def trusted(stations: Stations, radius: float, least_share: float) -> NDArray[np.bool_]:
+    """Return which stations (station,) show the wall of a pipe of `radius` [m] and little else.
+
+    Args:
+        stations: Rings about the pipe's axis.
+        radius: Typical radius [m].
+        least_share: Of what a station shows that must be wall.
+    """
+    misfit, wall = _wall(stations, radius)
+    enough = wall.sum(axis=1) >= max(3.0, _LEAST_CELLS * wall.shape[1])
+    most = wall.sum(axis=1) >= least_share * np.isfinite(stations.ranges).sum(axis=1)
+    scatter = 1.4826 * row_median(np.where(wall, misfit, np.nan))
+    return enough & most & (scatter < _MOST_SCATTER)
+
+
+def shows_wall(stations: Stations, radius: float) -> NDArray[np.bool_]:
+    """Return which stations (station,) hold readings that could be wall, whatever else they hold."""
+    return _wall(stations, radius)[1].sum(axis=1) >= 3
+
+
+def _wall(stations: Stations, radius: float) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:
+    """Return the distance of each range from the typical radius, in radii, and whether it may be wall."""
+    misfit = np.abs(np.where(np.isfinite(stations.ranges), stations.ranges, np.inf) / radius - 1.0)
+    return misfit, misfit < _WALL
+
+
+def longest_stretch(good: NDArray[np.bool_], weight: NDArray, step: float) -> slice:
+    """Return the run of stations with the most weight, bridging short gaps; empty when none is good.
+
+    Args:
+        good: (station,) whether it is trusted.
+        weight: (station,) how much it shows.
+        step: Distance between stations, in radii.
+
+    >>> longest_stretch(np.array([True, False, False, True, True]), np.ones(5), 2.0)
+    slice(3, 5, None)
+    """
+    rows = np.flatnonzero(good)
+    if len(rows) == 0:
+        return slice(0, 0)
+    breaks = np.flatnonzero(np.diff(rows) * step > _BRIDGE + step)
+    firsts, lasts = np.append(0, breaks + 1), np.append(breaks, len(rows) - 1)
+    total = np.append(0.0, np.cumsum(weight[rows]))
+    best = int(np.argmax(total[lasts + 1] - total[firsts]))
+    return slice(int(rows[firsts[best]]), int(rows[lasts[best]]) + 1)
