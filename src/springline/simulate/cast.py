@@ -25,25 +25,25 @@ _TINY = 1e-13
 def _locate(cells, cell, px, py, pz):
     """Return chainage and the levelled section coordinates y, z of an Earth point, in one cell."""
     row = cells[cell]
-    dx, dy, dz = px - row[0], py - row[1], pz - row[2]
-    x = row[3] * dx + row[4] * dy + row[5] * dz
-    y = row[6] * dx + row[7] * dy + row[8] * dz
-    z = row[9] * dx + row[10] * dy + row[11] * dz
-    k = row[14]
+    dx, dy, dz = px - row.origin[0], py - row.origin[1], pz - row.origin[2]
+    x = row.x[0] * dx + row.x[1] * dy + row.x[2] * dz
+    y = row.y[0] * dx + row.y[1] * dy + row.y[2] * dz
+    z = row.z[0] * dx + row.z[1] * dy + row.z[2] * dz
+    k = row.curvature
     if k == 0.0:
-        return row[12] + x, y, z
-    ey, ez = row[15], row[16]
+        return row.chainage + x, y, z
+    ey, ez = row.inward_y, row.inward_z
     q, w = ey * y + ez * z, ez * y - ey * z
     # sqrt((R - q)2 + x2) - R without the cancellation of a large R.
     t = k * (q * q + x * x) - 2.0 * q
     root = sqrt(1.0 + k * t)
     q_here = -t / (1.0 + root)
-    chainage = row[12] + atan2(k * x, 1.0 - k * q) / k
+    chainage = row.chainage + atan2(k * x, 1.0 - k * q) / k
     co, si = (1.0 - k * q) / root, k * x / root
     y, z = q_here * ey + w * ez, q_here * ez - w * ey
     # The section stays level: turn from the frame carried along the arc to the one whose y is in the vertical plane.
-    inward_up = -si * row[5] + co * (ey * row[8] + ez * row[11])
-    across_up = ez * row[8] - ey * row[11]
+    inward_up = -si * row.x[2] + co * (ey * row.y[2] + ez * row.z[2])
+    across_up = ez * row.y[2] - ey * row.z[2]
     up_y, up_z = ey * inward_up + ez * across_up, ez * inward_up - ey * across_up
     n = sqrt(up_y * up_y + up_z * up_z)
     return chainage, (y * up_y + z * up_z) / n, (z * up_y - y * up_z) / n
@@ -67,10 +67,10 @@ def _speeds(wall, cell, ray):
     """
     row = wall.cells[cell]
     sideways, ahead = 1.0, 1.0
-    if row[14] == 0.0:
-        ahead = abs(ray[3] * row[3] + ray[4] * row[4] + ray[5] * row[5])
+    if row.curvature == 0.0:
+        ahead = abs(ray[3] * row.x[0] + ray[4] * row.x[1] + ray[5] * row.x[2])
         sideways = sqrt(max(1.0 - ahead * ahead, 1e-18))
-    return sideways * row[19] + ahead * row[25], sideways, np.inf if row[25] == 0.0 else _LEAP
+    return sideways * row.around + ahead * row.ahead, sideways, np.inf if row.ahead == 0.0 else _LEAP
 
 
 @njit(cache=True)
@@ -126,7 +126,7 @@ def _close_in(wall, cell, ray, a, b, fa, fb):
 def _plane(cells, cell, ray):
     """Return where the ray crosses a cell's end plane and whether it goes forward through it."""
     ox, oy, oz, dx, dy, dz = ray
-    nx, ny, nz, d = cells[cell, 20], cells[cell, 21], cells[cell, 22], cells[cell, 23]
+    nx, ny, nz, d = cells[cell].plane[0], cells[cell].plane[1], cells[cell].plane[2], cells[cell].plane[3]
     speed = nx * dx + ny * dy + nz * dz
     if speed == 0.0:
         return np.inf, True
@@ -139,38 +139,38 @@ def _tube(row, ray, t_wall, limit):
 
     inf = the ray misses it; -1 = the ray goes out through the opening and is not seen again.
     """
-    ox, oy, oz = ray[0] - row[0], ray[1] - row[1], ray[2] - row[2]
+    ox, oy, oz = ray[0] - row.mouth[0], ray[1] - row.mouth[1], ray[2] - row.mouth[2]
     dx, dy, dz = ray[3], ray[4], ray[5]
-    w0 = ox * row[3] + oy * row[4] + oz * row[5]
-    dw = dx * row[3] + dy * row[4] + dz * row[5]
-    ax, ay, az = ox - w0 * row[3], oy - w0 * row[4], oz - w0 * row[5]
-    bx, by, bz = dx - dw * row[3], dy - dw * row[4], dz - dw * row[5]
+    w0 = ox * row.axis[0] + oy * row.axis[1] + oz * row.axis[2]
+    dw = dx * row.axis[0] + dy * row.axis[1] + dz * row.axis[2]
+    ax, ay, az = ox - w0 * row.axis[0], oy - w0 * row.axis[1], oz - w0 * row.axis[2]
+    bx, by, bz = dx - dw * row.axis[0], dy - dw * row.axis[1], dz - dw * row.axis[2]
     # A ray along the tube's own axis is taken as one that meets its wall far away.
     a = max(bx * bx + by * by + bz * bz, 1e-24)
     b = ax * bx + ay * by + az * bz
     r2 = ax * ax + ay * ay + az * az
-    outer = b * b - a * (r2 - row[7] * row[7])
+    outer = b * b - a * (r2 - row.outer * row.outer)
     if outer <= 0.0:
         return np.inf
-    inner = b * b - a * (r2 - row[6] * row[6])
+    inner = b * b - a * (r2 - row.inner * row.inner)
     out_a, out_b = (-b - sqrt(outer)) / a, (-b + sqrt(outer)) / a
     in_a, in_b = np.inf, -np.inf
     if inner > 0.0:
         in_a, in_b = (-b - sqrt(inner)) / a, (-b + sqrt(inner)) / a
-    opening = in_a < t_wall < in_b and w0 + t_wall * dw > row[8] - row[6]
+    opening = in_a < t_wall < in_b and w0 + t_wall * dw > row.start - row.inner
     # The tube's own material before the wall: only the stub that stands into the pipe.
-    if row[8] < 0.0:
+    if row.start < 0.0:
         t = max(out_a, 1e-12)
         w = w0 + t * dw
-        if w < row[8]:
-            t = (row[8] - w0) / dw if dw > 0.0 else np.inf
+        if w < row.start:
+            t = (row.start - w0) / dw if dw > 0.0 else np.inf
         if in_a <= t < in_b:
             t = in_b
-        if t <= out_b and t < t_wall and w0 + t * dw >= row[8] - 1e-12:
+        if t <= out_b and t < t_wall and w0 + t * dw >= row.start - 1e-12:
             return t if t <= limit else -1.0
     if not opening:
         return np.inf
-    if w0 + in_b * dw > row[9] or in_b > limit:
+    if w0 + in_b * dw > row.end or in_b > limit:
         return -1.0
     return in_b
 
@@ -211,14 +211,14 @@ def _cast_one(wall, start_cell, ray, limit):
     for k in range(wall.laterals.shape[0]):
         row = wall.laterals[k]
         # A tube farther away than the ray can reach is passed over.
-        away = sqrt((row[0] - ray[0]) ** 2 + (row[1] - ray[1]) ** 2 + (row[2] - ray[2]) ** 2)
-        if away - row[7] - row[9] > min(hit, limit) + row[9]:
+        away = sqrt((row.mouth[0] - ray[0]) ** 2 + (row.mouth[1] - ray[1]) ** 2 + (row.mouth[2] - ray[2]) ** 2)
+        if away - row.outer - row.end > min(hit, limit) + row.end:
             continue
         tube = _tube(row, ray, hit, limit)
         if tube == -1.0:
             return np.nan, NOTHING, chainage
         if tube < np.inf:
-            return tube, LATERAL, row[10]
+            return tube, LATERAL, row.chainage
     if hit > limit:
         return np.nan, NOTHING, np.nan
     return hit, kind, chainage

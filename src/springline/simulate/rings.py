@@ -18,8 +18,6 @@ from .world import World
 BLOCK = 2048
 """Rings per block; noise is drawn block by block, so that a streamed survey equals one made at once."""
 
-PREFIX = {"rings": "", "rings_rear": "rear_"}
-
 
 def ring_blocks(world: World, name: str) -> Iterator[tuple[xr.Dataset, xr.Dataset]]:
     """Yield, for each block of rings of scanner `name` ("rings" or "rings_rear"), the rings and their truth."""

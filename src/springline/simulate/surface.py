@@ -35,10 +35,10 @@ def _lattice(i, j, seed):
 
 
 @njit(cache=True)
-def _relief(x, theta, roughness, seed):
+def _relief(x, theta, roughness):
     """Return the wall's roughness [m]: a cubic B-spline over random lattice values, periodic in bearing."""
-    around = int(roughness[2])
-    u, v = x / roughness[1], theta * around / (2.0 * pi)
+    around = int(roughness.around)
+    u, v = x / roughness.along, theta * around / (2.0 * pi)
     i, j = floor(u), floor(v)
     fu, fv = u - i, v - j
     wu = np.empty(4)
@@ -51,9 +51,9 @@ def _relief(x, theta, roughness, seed):
     total = 0.0
     for a in range(4):
         for b in range(4):
-            total += wu[a] * wv[b] * _lattice(i + a - 1, (j + b - 1) % around, seed)
+            total += wu[a] * wv[b] * _lattice(i + a - 1, (j + b - 1) % around, roughness.seed)
     # 151/315 is the mean of the squared weights along one direction: it restores the stated rms.
-    return roughness[0] * total / (151.0 / 315.0)
+    return roughness.rms * total / (151.0 / 315.0)
 
 
 @njit(cache=True)
@@ -77,10 +77,10 @@ def _ramp(x, start, end, ramp):
 @njit(cache=True)
 def _bare(wall, cell, x, theta, c, s):
     """Return the radius of the section alone, blended between its knots, with its harmonics."""
-    first, count = wall.knots[cell, 0], wall.knots[cell, 1]
+    first, count = wall.cells[cell].first, wall.cells[cell].count
     k, w = 0, 0.0
     if count > 1:
-        u = (x - wall.cells[cell, 12]) / wall.cells[cell, 18]
+        u = (x - wall.cells[cell].chainage) / wall.cells[cell].step
         k = min(max(floor(u), 0), count - 2)
         w = min(max(u - k, 0.0), 1.0)
     rho = _section(wall.pieces[first + k], theta, c, s)
@@ -109,11 +109,11 @@ def _varying_lobe(wall, cell, x, turn, row):
     k3 makes it meet the host at its edges, k1 sets its depth, kappa gives it the host's slope there (chapter 7,
     eq. 7.23 in the form that stays regular at zero depth).
     """
-    phi, power, step = row[5], row[8], 1e-5
-    edge = row[4] + phi
+    phi, power, step = row.half, row.power, 1e-5
+    edge = row.bearing + phi
     k3 = _at(wall, cell, x, edge)
     slope = (_at(wall, cell, x, edge + step) - _at(wall, cell, x, edge - step)) / (2.0 * step)
-    k1 = _at(wall, cell, x, row[4]) - row[6] - k3
+    k1 = _at(wall, cell, x, row.bearing) - row.depth - k3
     kappa = k1 + 2.0 * phi * slope / pi
     u = abs(turn) / phi
     return (k1 - kappa * u**power) * cos(0.5 * pi * u) + k3
@@ -133,35 +133,39 @@ def wall_at(wall, cell, x, y, z, h):
                 theta = 0.0
     rho = _bare(wall, cell, x, theta, c, s)
     kind = WALL
-    if wall.cells[cell, 24] != 0.0:
+    if wall.cells[cell].gap:
         kind = JOINT
-        rho += wall.cells[cell, 17]
-    if wall.roughness[0] > 0.0:
-        rho += _relief(x, theta, wall.roughness, wall.seed)
+        rho += wall.cells[cell].groove
+    if wall.roughness[0].rms > 0.0:
+        rho += _relief(x, theta, wall.roughness[0])
     for n in range(wall.feature_from[cell], wall.feature_from[cell + 1]):
         row = wall.features[wall.feature_of[n]]
-        if x <= row[1] or x >= row[2]:
+        if x <= row.first or x >= row.last:
             continue
-        if row[0] == FLOOR:
+        if row.form == FLOOR:
             if s < 0.0:
-                level = _ramp(x, row[1], row[2], row[7]) * row[6] - _bare(wall, cell, x, 1.5 * pi, 0.0, -1.0)
+                level = _ramp(x, row.first, row.last, row.ramp) * row.depth - _bare(wall, cell, x, 1.5 * pi, 0.0, -1.0)
                 if rho * s < level:
                     rho = level / s
-                    kind = int(row[3])
+                    kind = row.kind
             continue
-        turn = theta - row[4]
+        turn = theta - row.bearing
         turn -= 2.0 * pi * floor(turn / (2.0 * pi) + 0.5)
-        if abs(turn) >= row[5]:
+        if abs(turn) >= row.half:
             continue
-        if row[0] == VARYING_LOBE:
-            rho += _ramp(x, row[1], row[2], row[7]) * (_varying_lobe(wall, cell, x, turn, row) - rho)
+        if row.form == VARYING_LOBE:
+            rho += _ramp(x, row.first, row.last, row.ramp) * (_varying_lobe(wall, cell, x, turn, row) - rho)
             continue
-        if row[0] == BUMP:
-            drop = row[6] * _window(turn / row[5]) * _window((x - 0.5 * (row[1] + row[2])) / (0.5 * (row[2] - row[1])))
+        if row.form == BUMP:
+            drop = (
+                row.depth
+                * _window(turn / row.half)
+                * _window((x - 0.5 * (row.first + row.last)) / (0.5 * (row.last - row.first)))
+            )
             if drop > 0.0:
-                kind = int(row[3])
+                kind = row.kind
         else:
-            drop = row[6] * cos(0.5 * pi * turn / row[5]) ** row[8] * _ramp(x, row[1], row[2], row[7])
+            drop = row.depth * cos(0.5 * pi * turn / row.half) ** row.power * _ramp(x, row.first, row.last, row.ramp)
         rho -= drop
     return rho, kind
 

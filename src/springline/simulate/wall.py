@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .centreline import Centreline
+from .centreline import Cell, Centreline
 from .sections import PIECE, Section
 
 WALL, WATER, BED, DEPOSIT, DENT, JOINT, LATERAL, NOTHING = range(8)
@@ -22,11 +22,48 @@ HIT_KINDS = ("wall", "water", "bed", "deposit", "dent", "joint", "lateral", "not
 BUMP, FLOOR, LOBE, VARYING_LOBE = range(4)
 
 
+CELL = np.dtype(
+    [
+        ("origin", "f8", 3),
+        ("x", "f8", 3),
+        ("y", "f8", 3),
+        ("z", "f8", 3),
+        ("chainage", "f8"),
+        ("curvature", "f8"),
+        ("inward_y", "f8"),
+        ("inward_z", "f8"),
+        ("groove", "f8"),
+        ("gap", "?"),
+        ("plane", "f8", 4),
+        ("first", "i8"),
+        ("count", "i8"),
+        ("step", "f8"),
+        ("around", "f8"),
+        ("ahead", "f8"),
+    ]
+)
+"""One cell: start and frame, curvature and where its centre lies, groove and whether it is a joint's gap, the plane
+that ends it, its section knots (first, count, step), and bounds on how fast the wall comes closer (around, ahead)."""
+
+FEATURE = np.dtype(
+    [("form", "i8"), ("first", "f8"), ("last", "f8"), ("kind", "u1")]
+    + [(name, "f8") for name in ("bearing", "half", "depth", "ramp", "power")]
+)
+"""One feature: its form, chainages at which it begins and ends, what a ray that meets it is told, and its shape."""
+
+TUBE = np.dtype(
+    [("mouth", "f8", 3), ("axis", "f8", 3)] + [(name, "f8") for name in ("inner", "outer", "start", "end", "chainage")]
+)
+"""One lateral: middle of its mouth, unit axis outwards, radii, and where along its axis it starts and ends."""
+
+RELIEF = np.dtype([("rms", "f8"), ("along", "f8"), ("around", "f8"), ("seed", "u8")])
+"""The roughness: rms, lattice step along the pipe, lattice points around it, seed."""
+
+
 class Wall(NamedTuple):
-    """Arrays of the wall; see `build` for what stands where."""
+    """Arrays of the wall, as the kernels read them: records of the types above, and sections piece by piece."""
 
     cells: np.ndarray
-    knots: np.ndarray
     pieces: np.ndarray
     orders: np.ndarray
     harmonics: np.ndarray
@@ -35,7 +72,6 @@ class Wall(NamedTuple):
     feature_of: np.ndarray
     laterals: np.ndarray
     roughness: np.ndarray
-    seed: np.uint64
 
 
 @dataclass(frozen=True)
@@ -133,62 +169,54 @@ class Pipe:
 def build(pipe: Pipe) -> Wall:
     """Return the arrays of a pipe's wall.
 
-    `cells` holds per row: origin 0-2, frame 3-11, chainage 12, length 13, curvature 14, inward y and z 15-16, groove
-    17, knot step 18, bounds on closing speed 19 and 25, end plane 20-23, joint flag 24. `knots` holds first knot and
-    count per cell; `pieces` (knot, piece, 7) the sections, padded with pieces that start at infinity.
+    `pieces` (knots, pieces, 7) holds the sections of all cells' knots, padded with pieces that start at infinity;
+    `harmonics` (knots, orders, 2) their Fourier amplitudes. `feature_of` lists the features of each cell, those of cell
+    k from `feature_from[k]` to `feature_from[k + 1]`.
     """
-    cells = pipe.centreline.cells
-    counts = [len(k.sections.pieces) for k in pipe.knots]
-    firsts = np.cumsum([0, *counts[:-1]])
-    pieces = np.full((sum(counts), max(k.sections.pieces.shape[1] for k in pipe.knots), PIECE), np.inf)
+    counts = np.array([len(k.sections.pieces) for k in pipe.knots])
+    firsts = np.cumsum(counts) - counts
+    pieces = np.full((counts.sum(), max(k.sections.pieces.shape[1] for k in pipe.knots), PIECE), np.inf)
+    harmonics = np.zeros((counts.sum(), len(pipe.orders), 2))
     for first, knots in zip(firsts, pipe.knots, strict=True):
         count, width = knots.sections.pieces.shape[:2]
         pieces[first : first + count, :width] = knots.sections.pieces
-    none = (np.zeros((count, len(pipe.orders), 2)) for count in counts)
-    harmonics = [n if k.harmonics is None else k.harmonics for k, n in zip(pipe.knots, none, strict=True)]
+        if knots.harmonics is not None:
+            harmonics[first : first + count] = knots.harmonics
     features = _features(pipe)
-    starts, members = [0], []
-    for cell in cells:
-        near = [
-            k
-            for k, row in enumerate(features)
-            if row[1] < cell.end and row[2] > cell.chainage and (row[0] == FLOOR or not cell.joint)
-        ]
-        members.extend(near)
-        starts.append(len(members))
-    table = np.zeros((len(cells), 26))
-    for k, (cell, count) in enumerate(zip(cells, counts, strict=True)):
-        table[k, :12] = [*cell.origin, *cell.frame.ravel()]
-        table[k, 12:17] = [
-            cell.chainage, cell.length, cell.curvature, np.sin(cell.towards), np.cos(cell.towards),
-        ]  # fmt: skip
-        table[k, 17:19] = cell.groove, cell.length / max(count - 1, 1)
-        table[k, 20:24] = pipe.centreline.planes[k]
-        table[k, 24] = cell.joint
-    table[:, [19, 25]] = _slopes(pipe, features, starts, members)
+    members = [_near(features, cell) for cell in pipe.centreline.cells]
     return Wall(
-        table,
-        np.column_stack([firsts, counts]).astype(np.int64),
+        _cells(pipe, firsts, counts, features, members),
         pieces,
         np.array(pipe.orders, np.float64),
-        np.concatenate(harmonics),
+        harmonics,
         features,
-        np.array(starts, np.int64),
-        np.array(members, np.int64),
+        np.concatenate([[0], np.cumsum([len(m) for m in members])]).astype(np.int64),
+        np.concatenate(members).astype(np.int64),
         _laterals(pipe),
-        np.array(
-            [
-                pipe.roughness.rms,
-                pipe.roughness.along,
-                max(4.0, np.round(2.0 * np.pi * pipe.radius / pipe.roughness.around)),
-            ]
-        ),
-        np.uint64(pipe.roughness.seed),
+        _relief(pipe),
     )
 
 
+def _near(features: np.ndarray, cell: Cell) -> np.ndarray:
+    """Return the features that stand in a cell; in a joint's gap, only water and beds go on."""
+    there = (features["first"] < cell.end) & (features["last"] > cell.chainage)
+    return np.flatnonzero(there & ((features["form"] == FLOOR) | (not cell.joint)))
+
+
+def _cells(
+    pipe: Pipe, firsts: np.ndarray, counts: np.ndarray, features: np.ndarray, members: list[np.ndarray]
+) -> np.ndarray:
+    rows = []
+    for k, cell in enumerate(pipe.centreline.cells):
+        inward = np.sin(cell.towards), np.cos(cell.towards)
+        step = cell.length / max(counts[k] - 1, 1)
+        bounds = _slopes(pipe, k, features[members[k]])
+        place = (cell.origin, *cell.frame, cell.chainage, cell.curvature, *inward, cell.groove, cell.joint)
+        rows.append((*place, pipe.centreline.planes[k], firsts[k], counts[k], step, *bounds))
+    return np.array(rows, CELL)
+
+
 def _features(pipe: Pipe) -> np.ndarray:
-    """Return rows: form, first and last chainage, hit kind, then the form's own numbers."""
     rows = [
         (
             BUMP,
@@ -204,61 +232,50 @@ def _features(pipe: Pipe) -> np.ndarray:
         for b in pipe.bumps
     ]
     rows += [
-        (
-            VARYING_LOBE if one.varying else LOBE,
-            one.start,
-            one.end,
-            WALL,
-            one.bearing,
-            0.5 * one.width,
-            one.depth,
-            one.ramp,
-            one.power,
-        )
-        for one in pipe.lobes
+        (VARYING_LOBE if o.varying else LOBE, o.start, o.end, WALL, o.bearing, 0.5 * o.width, o.depth, o.ramp, o.power)
+        for o in pipe.lobes
     ]
     rows += [(FLOOR, f.start, f.end, f.kind, 0, 0, f.depth, f.ramp, 0) for f in pipe.floors]
-    return np.array(rows, float).reshape(-1, 9)
+    return np.array(rows, FEATURE)
 
 
-def _slopes(pipe: Pipe, features: np.ndarray, starts: list[int], members: list[int]) -> np.ndarray:
-    """Return bounds (cells, 2) on how fast the gap to the wall closes: per metre sideways, and per metre ahead.
+def _relief(pipe: Pipe) -> np.ndarray:
+    rough = pipe.roughness
+    around = max(4.0, np.round(2.0 * np.pi * pipe.radius / rough.around))
+    return np.array([(rough.rms, rough.along, around, rough.seed)], RELIEF)
+
+
+def _slopes(pipe: Pipe, k: int, features: np.ndarray) -> tuple[float, float]:
+    """Return bounds on how fast the gap to cell k's wall closes: per metre sideways, and per metre ahead.
 
     Sideways it is the length of the gradient of h - rho in the section's plane, ahead the wall's slope along the pipe.
     """
     theta = np.linspace(0.0, 2.0 * np.pi, 721)
-    cells = pipe.centreline.cells
-    rough = 4.0 * pipe.roughness.rms / np.array([pipe.roughness.around, pipe.roughness.along])
-    out = []
-    for k, knots in enumerate(pipe.knots):
-        stack = knots.sections.pieces
-        radii = np.array([Section(one).radius(theta) for one in stack[:: max(1, len(stack) // 8)]])
-        slope = rough.copy()
-        slope[0] += float(np.max(np.abs(np.gradient(radii, theta, axis=1)) / radii))
-        if len(stack) > 1:
-            # The section may change fastest between the samples: twice what they show, and more where they show none.
-            slope[1] += 2.0 * float(np.max(np.abs(np.diff(radii, axis=0)), initial=0.0)) / cells[k].length + 0.05
-        if knots.harmonics is not None and knots.harmonics.size:
-            size = np.abs(knots.harmonics).sum(axis=2).max(axis=0)
-            slope[0] += float(np.sum(size * np.array(pipe.orders)) / pipe.radius)
-        for n in members[starts[k] : starts[k + 1]]:
-            slope += _slope(features[n], pipe.radius)
-        out.append([1.02 * np.hypot(1.0, slope[0]), slope[1]])
-    return np.array(out)
-
-
-def _slope(row: np.ndarray, radius: float) -> np.ndarray:
-    """Return the steepest slope around and along of one feature."""
-    form, first, last, _, _, half, depth, ramp, power = row
-    if form == FLOOR:
-        return np.array([0.0, 1.5 * depth / ramp if ramp > 0.0 else 0.0])
-    steep = 0.5 * np.pi * max(1.0, 0.5 * power) * depth
-    reach = 0.5 * (last - first) if form == BUMP else ramp
-    return np.array([steep / (half * (radius - depth)), steep / reach if reach > 0.0 else 0.0])
+    rough, knots = pipe.roughness, pipe.knots[k]
+    stack = knots.sections.pieces
+    radii = np.array([Section(one).radius(theta) for one in stack[:: max(1, len(stack) // 8)]])
+    around = 4.0 * rough.rms / rough.around + float(np.max(np.abs(np.gradient(radii, theta, axis=1)) / radii))
+    ahead = 4.0 * rough.rms / rough.along
+    if len(stack) > 1:
+        # The section may change fastest between the samples: twice what they show, and more where they show none.
+        length = pipe.centreline.cells[k].length
+        ahead += 2.0 * float(np.max(np.abs(np.diff(radii, axis=0)), initial=0.0)) / length + 0.05
+    if knots.harmonics is not None and knots.harmonics.size:
+        size = np.abs(knots.harmonics).sum(axis=2).max(axis=0)
+        around += float(np.sum(size * np.array(pipe.orders)) / pipe.radius)
+    for row in features:
+        depth, ramp = row["depth"], row["ramp"]
+        if row["form"] == FLOOR:
+            ahead += 1.5 * depth / ramp if ramp > 0.0 else 0.0
+            continue
+        steep = 0.5 * np.pi * max(1.0, 0.5 * row["power"]) * depth
+        reach = 0.5 * (row["last"] - row["first"]) if row["form"] == BUMP else ramp
+        around += steep / (row["half"] * (pipe.radius - depth))
+        ahead += steep / reach if reach > 0.0 else 0.0
+    return 1.02 * float(np.hypot(1.0, around)), float(ahead)
 
 
 def _laterals(pipe: Pipe) -> np.ndarray:
-    """Return rows by chainage: mouth 0-2, axis 3-5, radius, outer radius, first and last place on it, chainage."""
     rows = []
     for one in sorted(pipe.laterals, key=lambda lateral: lateral.chainage):
         point, frame = pipe.centreline.at(one.chainage)
@@ -269,5 +286,5 @@ def _laterals(pipe: Pipe) -> np.ndarray:
         share = (one.chainage - cell.chainage) / cell.length
         section = Section(stack[round(share * (len(stack) - 1))])
         mouth = point + float(section.radius(one.bearing)) * radial
-        rows.append([*mouth, *axis, one.radius, one.radius + one.wall, -one.protrusion, one.length, one.chainage])
-    return np.array(rows, float).reshape(-1, 11)
+        rows.append((mouth, axis, one.radius, one.radius + one.wall, -one.protrusion, one.length, one.chainage))
+    return np.array(rows, TUBE)
