@@ -11,7 +11,9 @@ from springline.conventions import (
     MASK_REASONS,
     ROOT_ATTRIBUTES,
     STATION_COLUMNS,
+    STATION_FLAGS,
     SURVEY_FOLDER_KEYS,
+    SURVEY_SENSOR_KEYS,
 )
 
 
@@ -39,11 +41,13 @@ def contract() -> str:
             lines += ["", *_table(("attribute", "meaning"), group.attributes)]
     for title, flags in (("`/mask` reason", MASK_REASONS), ("`/section` status", FIT_STATUS)):
         lines += ["", f"## Flag values of {title}", "", *_table(("value", "meaning"), flags.items())]
+    lines += ["", "## Words in `/section` flags", "", *_table(("word", "meaning"), STATION_FLAGS.items())]
     columns = [(f"`{c.name}`", c.heading, f"`/{c.group}` {c.variable}") for c in STATION_COLUMNS]
     lines += ["", "## `stations.csv`", "", "Empty = not available, never 0.", ""]
     lines += _table(("column", "heading", "from"), columns)
     lines += ["", "## `features.csv`", "", ", ".join(f"`{name}`" for name in FEATURE_COLUMNS)]
     lines += ["", "## `survey.toml`", "", *_table(("key", "meaning"), SURVEY_FOLDER_KEYS.items())]
+    lines += ["", "### `[sensor]`", "", *_table(("key", "meaning"), SURVEY_SENSOR_KEYS.items())]
     return "\n".join(lines) + "\n"
 
 

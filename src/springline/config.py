@@ -70,6 +70,9 @@ class EstimateConfig(_Settings):
 
     minimum_coverage: Fraction = 0.25
     """Stations with less coverage get no section."""
+    largest_gap: Annotated[float, Field(gt=0, le=6.2831853)] = 2.36
+    """Stations with a longer arc unseen in one piece [rad] get no section: 135 degrees, beyond which an ellipse
+    follows the errors of the readings at the ends of the arc."""
 
 
 class MetricsConfig(_Settings):

@@ -30,6 +30,9 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from typing import TypeVar
 
+    import numpy as np
+    from numpy.typing import NDArray
+
     Angle = TypeVar("Angle")
 
 CROWN = pi / 2
@@ -111,6 +114,32 @@ FIT_STATUS = {
     7: "shape not determined",
 }
 """Why a station has a section or has none: the flag values of `/section` status."""
+
+STATION_FLAGS = {
+    "inverted": "the section hangs upside down: hinged at the invert first",
+    "unlike_neighbours": "differs from the pipe on both sides within half a diameter: a joint, or a misread ring",
+    "scattered": "of a cloud: scatters over three times as much as the best quarter of its stations",
+}
+"""Words in `/section` flags and in the flags column of `stations.csv`, separated by spaces."""
+
+NOT_SPEAKING = ("unlike_neighbours", "scattered")
+"""Flags of stations that do not speak for the pipe: left out of largest values and verdicts."""
+
+
+def flagged(flags: NDArray[np.str_], *words: str) -> NDArray[np.bool_]:
+    """Return which stations carry one of the words in their flags.
+
+    >>> import numpy as np
+    >>> flagged(np.array(["", "inverted scattered"]), "scattered").tolist()
+    [False, True]
+    """
+    import numpy as np
+
+    found = np.zeros(len(flags), bool)
+    for word in words:
+        found |= np.char.find(flags.astype(str), word) >= 0
+    return found
+
 
 ROOT_ATTRIBUTES = {
     "name": "asset name",

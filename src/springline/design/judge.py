@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from springline.conventions import NOT_SPEAKING, flagged
 from springline.design.acceptance import evaluate
 from springline.design.rule import Rule, load_rule
 from springline.errors import ContractError
@@ -24,7 +25,7 @@ def judge(survey: Survey, rules: Iterable[Rule | str]) -> Survey:
     """Return the survey with the verdicts of rules in its attribute `rules`.
 
     Args:
-        survey: With `/section` and `/metrics`; stations flagged `unlike_neighbours` are not assessed.
+        survey: With `/section` and `/metrics`; stations flagged by one of `conventions.NOT_SPEAKING` are not assessed.
         rules: Rules, names of rules that come with the program, or paths of TOML files.
 
     Raises:
@@ -33,7 +34,7 @@ def judge(survey: Survey, rules: Iterable[Rule | str]) -> Survey:
     """
     metrics = survey.metrics
     reference = metrics.attrs["reference_kind"]
-    unlike = np.char.find(survey.section["flags"].values.astype(str), "unlike_neighbours") >= 0
+    silent = flagged(survey.section["flags"].values, *NOT_SPEAKING)
     verdicts = []
     for given in rules:
         rule = given if isinstance(given, Rule) else load_rule(given)
@@ -44,7 +45,7 @@ def judge(survey: Survey, rules: Iterable[Rule | str]) -> Survey:
             raise ContractError(f"'{rule.quantity}' is not among the metrics", where=f"rule {rule.name}")
         found = evaluate(
             rule,
-            np.where(unlike, np.nan, metrics[rule.quantity].values),
+            np.where(silent, np.nan, metrics[rule.quantity].values),
             metrics[f"{rule.quantity}_sigma"].values,
             chainage=metrics["chainage"].values,
             reference=None if reference == "none" else reference,

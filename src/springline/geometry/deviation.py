@@ -62,3 +62,67 @@ def smoothed_extremes(deviation: ArrayLike, bearings: ArrayLike) -> tuple[NDArra
         value = np.take_along_axis(mean, pick[:, None], axis=1)[:, 0]
         found += [np.where(empty, np.nan, value), np.where(empty, np.nan, bearings[pick])]
     return tuple(found)
+
+
+def correlation_inflation(deviation: ArrayLike, noise: ArrayLike, *, window: int) -> NDArray[np.float64]:
+    """Return by how much the variance of a fit grows because neighbouring readings err together.
+
+    Readings that share their error tell less than their number says: the variance of what is fitted to them is that
+    of independent readings times 1 + 2 (sum of the correlations at all lags). The correlations are those of the
+    deviations along the ring, over lags up to 10 degrees while they stay positive, averaged over a window of rings.
+    A wall that is no ellipse counts too: where the model is wrong its sigma is widened.
+
+    Args:
+        deviation: (ring, bearing) radial deviations from the fitted section [m] at equal bearings; NaN = not used.
+        noise: (ring,) one-sigma of a reading [m]; deviations count up to four of them.
+        window: Rings of the average.
+
+    Returns:
+        (ring,) factors of 1 or more; 1 where there is no fit.
+
+    Source: effective sample size of a correlated series, with the initial positive sequence of correlations.
+
+    >>> rough = np.repeat(np.random.default_rng(0).standard_normal((50, 60)), 6, axis=1)
+    >>> round(float(correlation_inflation(rough, np.ones(50), window=9).mean()), 1)
+    6.2
+    """
+    deviation, noise = np.asarray(deviation, float), np.asarray(noise, float)[:, None]
+    with np.errstate(invalid="ignore"):
+        part = np.nan_to_num(np.clip(deviation, -4.0 * noise, 4.0 * noise))
+    seen = (np.isfinite(deviation) & np.isfinite(noise)).astype(float)
+    part = part * seen
+    lags = max(1, round(_WINDOW / (2 * np.pi / deviation.shape[1])))
+    covariance = [
+        _running(np.einsum("ij,ij->i", part, np.roll(part, k, axis=1)), window)
+        / np.maximum(_running(np.einsum("ij,ij->i", seen, np.roll(seen, k, axis=1)), window), 1e-9)
+        for k in range(lags + 1)
+    ]
+    with np.errstate(invalid="ignore", divide="ignore"):
+        correlation = np.nan_to_num(np.stack(covariance[1:]) / covariance[0])
+    positive = np.cumprod(correlation > 0, axis=0)
+    return 1.0 + 2.0 * (correlation * positive).sum(axis=0)
+
+
+def _running(values: NDArray[np.float64], window: int) -> NDArray[np.float64]:
+    return uniform_filter1d(values, max(window, 1), mode="nearest")
+
+
+def largest_gap(used: ArrayLike) -> NDArray[np.float64]:
+    """Return the longest arc [rad] without a used reading, for each ring of equally spaced bearings.
+
+    Args:
+        used: (ring, bearing) flags.
+
+    >>> largest_gap([[True, True, False, False], [False, False, False, False]]).round(4)
+    array([4.7124, 6.2832])
+    """
+    used = np.asarray(used, bool)
+    count = used.shape[1]
+    twice = np.concatenate([used, used], axis=1)
+    place = np.where(twice, np.arange(2 * count), -1)
+    last = np.maximum.accumulate(place, axis=1)
+    # From each used reading of the second turn back to the one before it.
+    before = np.concatenate([np.full((len(used), 1), -1), last[:, :-1]], axis=1)
+    steps = np.where(twice, np.arange(2 * count) - before, 0)[:, count:]
+    widest = np.where(used.any(axis=1), steps.max(axis=1), count)
+    return np.where(widest > 1, widest, 0.0) * (2.0 * np.pi / count)

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ..conventions import NOT_SPEAKING, flagged
 from ..errors import ContractError
 
 if TYPE_CHECKING:
@@ -95,12 +96,11 @@ class Results:
         return self.station("metrics", variable)
 
     def judged(self, variable: str, group: str = "metrics") -> np.ndarray:
-        """Return a variable of the stations that speak for the pipe, NaN at those flagged `unlike_neighbours`."""
+        """Return a variable of the stations that speak for the pipe, NaN at those flagged otherwise."""
         values = self.station(group, variable)
         if not self.survey.has("section") or "flags" not in self.survey.section:
             return values
-        flagged = np.char.find(self.survey.section["flags"].values.astype(str), "unlike_neighbours") >= 0
-        return np.where(flagged, np.nan, values)
+        return np.where(flagged(self.survey.section["flags"].values, *NOT_SPEAKING), np.nan, values)
 
     def metrics_attr(self, name: str) -> float:
         """Return a number among the attributes of `/metrics`, NaN when it is not there."""

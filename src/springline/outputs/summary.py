@@ -18,9 +18,9 @@ if TYPE_CHECKING:
 def summary(survey: Survey) -> dict[str, Any]:
     """Return the content of `summary.json`; None where a value is not available.
 
-    Largest values leave out stations flagged `unlike_neighbours`. `unseen_m` is the length of stations under 50 %
-    coverage and of gaps of more than three spacings between stations. `features` is how many were found, None when
-    nobody looked for any.
+    Largest values leave out stations flagged by `conventions.NOT_SPEAKING`. `unseen_m` is the length of stations
+    under 50 % coverage and of gaps of more than three spacings between stations. `features` is how many were found,
+    None when nobody looked for any.
 
     Args:
         survey: A finished survey.

@@ -11,17 +11,19 @@ import xarray as xr
 from ..conventions import FIT_STATUS, POSE_TERMS, SECTION_PARAMETERS
 from ..errors import InputError
 from ..geometry.cleaning import unlike_both_sides
-from ..geometry.deviation import radial_deviation, smoothed_extremes
+from ..geometry.deviation import correlation_inflation, largest_gap, radial_deviation, smoothed_extremes
 from ..geometry.fitting import fit_ellipses_to_ranges
 from ..geometry.fitting.modes import CLASSES, select_modes
 from ..survey import add_assumption, add_warning
 
 if TYPE_CHECKING:
-    from ..config import Config
+    from ..config import Config, EstimateConfig
     from ..survey import Survey
 
 _BLOCK = 4096
-_TOO_FEW = 1
+_TOO_FEW, _ARC_TOO_SHORT = 1, 3
+_ALIKE = 9
+_SCATTERED = 3.0
 _PER_STATION = ("residual_rms", "noise", "centre_y", "centre_z")
 _SEVERITIES = ("s1", "s2", "s02", "s01")
 _DEVIATIONS = ("deviation_in", "deviation_in_bearing", "deviation_out", "deviation_out_bearing")
@@ -31,13 +33,14 @@ def estimate(survey: Survey, config: Config) -> Survey:
     """Return the survey with `/pose` and `/section`: one robust geometric ellipse per ring, and its mode.
 
     The section's centre gives the sensor's offset; its shape is taken as perpendicular to the pipe, so that the
-    sensor's own tilt stays in it (an assumption that is stated). Stations without enough coverage, or whose readings
+    sensor's own tilt stays in it (an assumption that is stated). Sigmas are widened where neighbouring readings err
+    together. Stations without enough coverage, or whose readings
     do not determine an ellipse, have no section and say why in `status`. The mode of deformation is named only where
     its posterior is clear, `undecided` otherwise.
 
     Args:
         survey: With `/rings` and `/mask`.
-        config: `estimate.minimum_coverage`, `sensor.scale_sigma`.
+        config: `estimate.minimum_coverage`, `estimate.largest_gap`, `sensor.scale_sigma`.
 
     Raises:
         InputError: No station at all could be fitted.
@@ -45,7 +48,7 @@ def estimate(survey: Survey, config: Config) -> Survey:
     Source: dissertation 2.9.1 (geometric fit) and 4.1 (origin offset).
     """
     rings, mask = survey.rings, survey.mask
-    found = _fit(rings, mask, config.estimate.minimum_coverage)
+    found = _fit(rings, mask, config.estimate)
     if not (found["status"] == 0).any():
         reasons = ", ".join(sorted({FIT_STATUS[code] for code in np.unique(found["status"])}))
         raise InputError(
@@ -54,15 +57,15 @@ def estimate(survey: Survey, config: Config) -> Survey:
             expected="readings of the wall over a quarter of the circumference or more",
             mend="check unit, --nominal and the clean settings",
         )
-    found["unlike"] = _unlike(rings, found)
+    found["unlike"], found["scattered"] = _unlike(rings, found), _scattered(rings, found)
     scale, source = _scale(survey, config)
     section = _section(rings, mask, found)
     section.attrs = {"model": "ellipse", "range_scale_sigma": scale, "range_scale_source": source}
-    survey = _explain(survey, found["status"], found["unlike"])
+    survey = _explain(survey, found)
     return survey.with_group("pose", _pose(rings, found)).with_group("section", section)
 
 
-def _fit(rings: xr.Dataset, mask: xr.Dataset, minimum_coverage: float) -> dict[str, np.ndarray]:
+def _fit(rings: xr.Dataset, mask: xr.Dataset, settings: EstimateConfig) -> dict[str, np.ndarray]:
     count, bearings = rings.sizes["ring"], rings["bearing"].values
     found = {name: np.full(count, np.nan) for name in (*_PER_STATION, *_DEVIATIONS)}
     found["parameters"] = np.full((count, 5), np.nan)
@@ -77,16 +80,18 @@ def _fit(rings: xr.Dataset, mask: xr.Dataset, minimum_coverage: float) -> dict[s
     for start in range(0, count, _BLOCK):
         rows = slice(start, start + _BLOCK)
         used = mask["reason"][rows].values == 0
-        used[coverage[rows] < minimum_coverage] = False
+        thin, gap = coverage[rows] < settings.minimum_coverage, largest_gap(used) > settings.largest_gap
+        used[thin | gap] = False
         ranges = np.where(used, rings["range"][rows].values, np.float32(np.nan))
         fits = fit_ellipses_to_ranges(ranges, bearings)
         found["parameters"][rows] = fits.parameters
-        found["covariance"][rows] = fits.covariance
         found["residual_rms"][rows] = fits.residual_rms
         found["noise"][rows] = fits.noise_sigma
         found["centre_z"][rows], found["centre_y"][rows] = fits.centre_z, fits.centre_y
-        found["status"][rows] = np.where(coverage[rows] < minimum_coverage, _TOO_FEW, fits.status)
+        found["status"][rows] = np.where(thin, _TOO_FEW, np.where(gap, _ARC_TOO_SHORT, fits.status))
         deviation = radial_deviation(ranges, bearings, fits.parameters)
+        inflation = correlation_inflation(deviation, fits.noise_sigma, window=_ALIKE)
+        found["covariance"][rows] = fits.covariance * inflation[:, None, None]
         for name, values in zip(_DEVIATIONS, smoothed_extremes(deviation, bearings), strict=True):
             found[name][rows] = values
         modes = select_modes(ranges, bearings, ellipses=fits)
@@ -109,7 +114,7 @@ def _section(rings: xr.Dataset, mask: xr.Dataset, found: dict[str, np.ndarray]) 
         "status": found["status"],
         **{name: found[name] for name in (*_PER_STATION, *_DEVIATIONS, "mode_probability")},
         "mode": np.where(found["status"] == 0, np.array([*CLASSES, "undecided"])[found["mode"]], ""),
-        "flags": _flags(inverted=found["inverted"], unlike_neighbours=found["unlike"]),
+        "flags": _flags(inverted=found["inverted"], unlike_neighbours=found["unlike"], scattered=found["scattered"]),
     }
     for column, name in enumerate(_SEVERITIES):
         columns[name] = found["severities"][:, column]
@@ -133,6 +138,17 @@ def _unlike(rings: xr.Dataset, found: dict[str, np.ndarray]) -> np.ndarray:
     window = int(np.clip(round(2.0 * np.nanmedian(shape[:, 0]) / spacing), 5, 201))
     sigma = np.sqrt(np.einsum("kii->ki", found["covariance"][:, 2:, 2:]))
     return unlike_both_sides(shape, sigma, window=window)
+
+
+def _scattered(rings: xr.Dataset, found: dict[str, np.ndarray]) -> np.ndarray:
+    """Return which stations of a cloud scatter over three times as much as its best quarter.
+
+    A depth camera errs with the square of the distance, and where it scatters it also bends what it sees.
+    """
+    noise = found["noise"]
+    if rings.attrs.get("distance_source") != "axis" or not np.isfinite(noise).any():
+        return np.zeros(len(noise), bool)
+    return noise > _SCATTERED * np.nanquantile(noise, 0.25)
 
 
 def _flags(**named: np.ndarray) -> np.ndarray:
@@ -182,7 +198,14 @@ def _scale(survey: Survey, config: Config) -> tuple[float, str]:
     return config.sensor.scale_sigma.of(kind), f"default for a sensor of kind {kind}"
 
 
-def _explain(survey: Survey, status: np.ndarray, unlike: np.ndarray) -> Survey:
+def _explain(survey: Survey, found: dict[str, np.ndarray]) -> Survey:
+    status, unlike, scattered = found["status"], found["unlike"], found["scattered"]
+    if scattered.any():
+        survey = add_warning(
+            survey,
+            f"{scattered.sum()} of {len(status)} stations scatter over three times as much as the best quarter of "
+            "them; they are flagged scattered and left out of largest values and verdicts.",
+        )
     if unlike.any():
         survey = add_warning(
             survey,

@@ -90,7 +90,7 @@ def test_a_ring_with_little_wall_has_no_section_and_says_why():
     assert np.isnan(found.section["parameters"][4]).all()
     assert found.section["mode"].values[4] == ""
     assert any("1 of 20 stations have no section" in sentence for sentence in found.warnings)
-    lenient = estimate(masked(ranges), make_config({"estimate": {"minimum_coverage": 0.1}}))
+    lenient = estimate(masked(ranges), make_config({"estimate": {"minimum_coverage": 0.1, "largest_gap": 6.2}}))
     assert lenient.section["status"].values[4] == 0
 
 
