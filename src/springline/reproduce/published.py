@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from springline.geometry.robot import axis, oblique_ellipse
+from springline.geometry.robot import oblique_ellipse
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -44,7 +44,7 @@ def coefficients(pitch: ArrayLike, yaw: ArrayLike, beta: ArrayLike, *, minor: bo
 
     Source: (5.21) to (5.24).
     """
-    a, b, c = np.moveaxis(axis(np.radians(pitch), np.radians(yaw)), -1, 0)
+    a, b, c = _axis(pitch, yaw)
     square = a * a + b * b
     turn = np.radians(beta)
     of_beta = -np.sin(turn) if minor else np.cos(turn)
@@ -64,7 +64,7 @@ def axis_component(pitch: ArrayLike, yaw: ArrayLike, beta: ArrayLike, *, minor: 
 
 def squares(pitch: ArrayLike, yaw: ArrayLike, beta: ArrayLike, *, minor: bool) -> tuple[Array, Array]:
     """Return v^2 and w^2 of the major or minor axis, a row of (5.28). Source: (5.18), Appendix C."""
-    a, b, c = np.moveaxis(axis(np.radians(pitch), np.radians(yaw)), -1, 0)
+    a, b, c = _axis(pitch, yaw)
     square = a * a + b * b
     w = axis_component(pitch, yaw, beta, minor=minor)
     v = (-w * b * c + a * np.sqrt(np.maximum(square - w * w, 0.0))) / square
@@ -112,3 +112,10 @@ def system(
         return np.array(left[:-1] if unknown_roll else left, float)
 
     return equations
+
+
+def _axis(pitch: ArrayLike, yaw: ArrayLike) -> tuple[Array, Array, Array]:
+    """Return (a, b, c) of (5.1) to (5.3) for any angles: the solver may wander beyond those a robot can have."""
+    b, c = np.tan(np.radians(pitch)), np.tan(np.radians(yaw))
+    a = (1.0 + b * b + c * c) ** -0.5
+    return a, a * b, a * c
