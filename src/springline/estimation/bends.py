@@ -1,7 +1,8 @@
 """Bends of the estimated axis as explicit line-arc-line: radius, angle, plane, start, with their sigma.
 
 A bend is a stretch in which the direction turns steadily. Its ends are the corners of a ramp, fitted to the direction
-by weighted least squares; joints' kinks, which turn the pipe at one place, are left to the axis.
+by least squares; its covariance is what the joint estimate states, and the kinks that joints may add to the straight
+runs beside it.
 """
 
 from __future__ import annotations
@@ -10,15 +11,21 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from .solver import Factored
+from .states import DIRECTION
+
 LEAST_ANGLE = np.radians(3.0)
 """Smallest turn that is called a bend [rad]."""
 LEAST_RATE = np.radians(5.0)
 """Smallest turning that is [rad/m]."""
-_RUN = 1.5
+KINK = 1.1e-3
+"""Random walk of the direction of a laid straight run [rad per square root of m]: joints of 0.1 degree every 2.5 m."""
+_RUN = 0.75
 """Length of the straight runs beside a bend that tell its angle [m]."""
 _EDGE = 0.1
+_CORNER = 0.2
+"""One-sigma of a corner's place in steps between knots."""
 _FEWEST = 3
-_ALIKE = 8
 _STEPS = 25
 
 
@@ -47,16 +54,16 @@ class Bend:
     radius_sigma: float
 
 
-def find_bends(chainage: np.ndarray, direction: np.ndarray) -> tuple[Bend, ...]:
+def find_bends(chainage: np.ndarray, direction: np.ndarray, covariance: Factored) -> tuple[Bend, ...]:
     """Return the bends of an axis.
 
     Args:
-        chainage: Along the axis at equal or nearly equal steps [m] (k,).
-        direction: Heading clockwise from north and grade angle [rad] (k, 2).
+        chainage: Along the axis at the knots, at nearly equal steps [m] (k,).
+        direction: Heading clockwise from north and grade angle at the knots [rad] (k, 2).
+        covariance: Of the knots.
     """
     turn = np.hypot(np.cos(direction[1:, 1]) * np.diff(direction[:, 0]), np.diff(direction[:, 1]))
-    rate = turn / np.diff(chainage)
-    turning = rate > LEAST_RATE
+    turning = turn / np.diff(chainage) > LEAST_RATE
     # One knot that wavers within a bend does not end it.
     turning[1:-1] |= turning[:-2] & turning[2:]
     edges = np.flatnonzero(np.diff(np.concatenate([[0], turning.astype(np.int8), [0]])))
@@ -74,11 +81,25 @@ def find_bends(chainage: np.ndarray, direction: np.ndarray) -> tuple[Bend, ...]:
         if k + 1 < len(ends):
             high = min(high, 0.5 * (chainage[last] + chainage[ends[k + 1][0]]))
         rows = np.flatnonzero((chainage >= low) & (chainage <= high))
-        found.append(_fit(chainage[rows], direction[rows], chainage[first], chainage[last]))
+        spread = _together(covariance, rows)
+        found.append(_fit(chainage[rows], direction[rows], spread, chainage[first], chainage[last]))
     return tuple(one for one in found if one is not None)
 
 
-def _fit(at, direction, first, last) -> Bend | None:
+def _together(covariance: Factored, rows: np.ndarray) -> np.ndarray:
+    """Return the covariance (n, 2, n, 2) of the directions of neighbouring knots, which are a Markov chain."""
+    out = np.zeros((len(rows), 2, len(rows), 2))
+    through = np.linalg.solve(covariance.diagonal[rows[:-1]], covariance.beside[rows[:-1]])
+    for i, knot in enumerate(rows):
+        shared = covariance.diagonal[knot, DIRECTION]
+        out[i, :, i] = shared[:, DIRECTION]
+        for j in range(i + 1, len(rows)):
+            shared = shared @ through[j - 1]
+            out[i, :, j], out[j, :, i] = shared[:, DIRECTION], shared[:, DIRECTION].T
+    return out
+
+
+def _fit(at, direction, spread, first, last) -> Bend | None:
     """Return the ramp through the directions: level, level, and two corners, in the plane in which they turn."""
     before, after = at < first - _EDGE, at > last + _EDGE
     if before.sum() < _FEWEST or after.sum() < _FEWEST:
@@ -88,6 +109,9 @@ def _fit(at, direction, first, last) -> Bend | None:
     whole = np.median(flat[after], axis=0) - np.median(flat[before], axis=0)
     plane = whole / np.hypot(*whole)
     seen = flat @ plane
+    noise = np.einsum("a,iajb,b->ij", plane * level, spread, plane * level)
+    for side in (np.maximum(first - at, 0.0), np.maximum(at - last, 0.0)):
+        noise = noise + KINK**2 * np.minimum(side[:, None], side)
     values = np.array([first, last, np.median(seen[before]), float(np.hypot(*whole))])
 
     def ramp(v):
@@ -105,10 +129,12 @@ def _fit(at, direction, first, last) -> Bend | None:
         if np.abs(step).max() < 1e-8:
             break
     left = seen - ramp(values)
-    noise = float(left @ left) / max(len(left) - 4, 1)
-    # Neighbours err alike: by as many as their errors' own correlation says.
-    alike = 1.0 + 2.0 * sum(max(float(left[k:] @ left[:-k]) / float(left @ left), 0.0) for k in range(1, _ALIKE))
-    spread = np.linalg.pinv(slopes.T @ slopes) * noise * alike
+    inverse = np.linalg.pinv(slopes)
+    # What is left over beyond what the covariance says.
+    rest = max(float(left @ left) / (len(left) - 4) - float(np.mean(np.diag(noise))), 0.0)
+    spread = inverse @ (noise + rest * np.eye(len(at))) @ inverse.T
+    # Knots round off the corners between them.
+    spread[[0, 1], [0, 1]] += (_CORNER * float(np.median(np.diff(at)))) ** 2
     start, end, _, angle = values
     if end - start < 1e-3 or angle <= 0.0:
         return None

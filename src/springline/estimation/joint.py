@@ -117,7 +117,7 @@ def _told(problem: Problem, solution: Solution, ties: Ties | None) -> JointEstim
     bends = ()
     if problem.track is not None:
         way = np.linalg.norm(np.diff(state.axis, axis=0), axis=1)
-        bends = find_bends(np.concatenate([[0.0], np.cumsum(way)]), state.knots[:, DIRECTION])
+        bends = find_bends(np.concatenate([[0.0], np.cumsum(way)]), state.knots[:, DIRECTION], solution.covariance)
     for column, name in enumerate(("offset_y", "offset_z", "pitch", "yaw", "roll")):
         if name in why:
             values["pose"][:, column] = np.nan

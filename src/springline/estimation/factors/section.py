@@ -35,5 +35,11 @@ def section(intervals: int, step: float, trend: float, wander: float, tails: flo
         return pairs.reshape(len(pairs), 6)
 
     return Factor(
-        "section", np.arange(intervals), COLUMNS, residual, (slice(0, 2), slice(2, 6)), (tails,), (True, True)
+        "section",
+        np.arange(intervals),
+        COLUMNS,
+        residual,
+        (slice(0, 2), slice(2, 4), slice(4, 6)),
+        (tails,),
+        (True, True, True),
     )
