@@ -24,9 +24,11 @@ def test_results_do_not_depend_on_the_truth_and_agree_with_it():
         assert with_truth.group(group).identical(without.group(group))
     truth, pose = whole.truth, without.pose
     for axis in ("offset_y", "offset_z"):
-        error = pose[axis].values - truth[axis].values
+        seen = np.isfinite(pose[axis].values)
+        found, true = pose[axis].values[seen], truth[axis].values[seen]
+        assert seen.mean() > 0.95
         # Same axes, same signs: what is left is noise, a hundredth of the weaving.
-        assert np.nanmedian(np.abs(error)) < 3e-4
-        assert np.corrcoef(pose[axis].values, truth[axis].values)[0, 1] > 0.99
+        assert np.median(np.abs(found - true)) < 3e-4
+        assert np.corrcoef(found, true)[0, 1] > 0.99
     true = np.interp(truth["ring_chainage"], truth["chainage"], truth["diameter_area"])
     assert abs(np.nanmedian(without.metrics["diameter_area"].values - true)) < 1e-4

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from math import cos, hypot, pi, sin
+
 import numpy as np
-from numba import njit, prange
+from numba import njit
 
 
 def measure(radius: np.ndarray) -> dict[str, np.ndarray]:
@@ -50,40 +52,31 @@ def _peak(chord: np.ndarray) -> np.ndarray:
     return top + np.where(corner, 0.0, rise)
 
 
-@njit(cache=True, parallel=True)
+@njit(cache=True)
 def hull_perimeter(radius):
     """Return the perimeter [m] (k,) of the convex hull of sections (k, n) given at n equal bearings from +z."""
     count, n = radius.shape
-    out = np.empty(count)
-    for i in prange(count):
-        points = np.empty((n, 2))
-        for j in range(n):
-            points[j, 0] = radius[i, j] * np.cos(2.0 * np.pi * j / n)
-            points[j, 1] = radius[i, j] * np.sin(2.0 * np.pi * j / n)
+    out = np.zeros(count)
+    z, y = np.empty(n), np.empty(n)
+    kept = np.empty(n + 1, np.int64)
+    for i in range(count):
         far = 0
         for j in range(n):
-            if points[j, 0] > points[far, 0]:
+            z[j] = radius[i, j] * cos(2.0 * pi * j / n)
+            y[j] = radius[i, j] * sin(2.0 * pi * j / n)
+            if z[j] > z[far]:
                 far = j
         # From a point of the hull, once round in order of bearing, dropping whatever lies inside.
-        kept = np.empty(n + 1, np.int64)
         size = 0
         for step in range(n + 1):
             j = (far + step) % n
-            while size >= 2 and _left_turn(points, kept[size - 2], kept[size - 1], j) <= 0.0:
+            while size >= 2:
+                a, b = kept[size - 2], kept[size - 1]
+                if (z[b] - z[a]) * (y[j] - y[a]) > (y[b] - y[a]) * (z[j] - z[a]):
+                    break
                 size -= 1
             kept[size] = j
             size += 1
-        total = 0.0
         for m in range(size - 1):
-            a, b = kept[m], kept[m + 1]
-            total += np.hypot(points[b, 0] - points[a, 0], points[b, 1] - points[a, 1])
-        out[i] = total
+            out[i] += hypot(z[kept[m + 1]] - z[kept[m]], y[kept[m + 1]] - y[kept[m]])
     return out
-
-
-@njit(cache=True)
-def _left_turn(points, a, b, c):
-    """Return a positive number when the way from a over b to c turns left."""
-    ab = points[b] - points[a]
-    ac = points[c] - points[a]
-    return ab[0] * ac[1] - ab[1] * ac[0]

@@ -5,7 +5,7 @@ from __future__ import annotations
 from math import atan2, cos, floor, pi, sin, sqrt
 
 import numpy as np
-from numba import njit, prange
+from numba import njit
 
 from .wall import BUMP, FLOOR, JOINT, VARYING_LOBE, WALL, Wall
 
@@ -35,23 +35,28 @@ def _lattice(i, j, seed):
 
 
 @njit(cache=True)
+def _weight(k, f):
+    """Return weight k, 0 to 3, of the uniform cubic B-spline at share f of a step."""
+    if k == 0:
+        return (1.0 - f) ** 3 / 6.0
+    if k == 1:
+        return (3.0 * f**3 - 6.0 * f**2 + 4.0) / 6.0
+    if k == 2:
+        return (-3.0 * f**3 + 3.0 * f**2 + 3.0 * f + 1.0) / 6.0
+    return f**3 / 6.0
+
+
+@njit(cache=True)
 def _relief(x, theta, roughness):
     """Return the wall's roughness [m]: a cubic B-spline over random lattice values, periodic in bearing."""
     around = int(roughness.around)
     u, v = x / roughness.along, theta * around / (2.0 * pi)
     i, j = floor(u), floor(v)
-    fu, fv = u - i, v - j
-    wu = np.empty(4)
-    wv = np.empty(4)
-    for w, f in ((wu, fu), (wv, fv)):
-        w[0] = (1.0 - f) ** 3 / 6.0
-        w[1] = (3.0 * f**3 - 6.0 * f**2 + 4.0) / 6.0
-        w[2] = (-3.0 * f**3 + 3.0 * f**2 + 3.0 * f + 1.0) / 6.0
-        w[3] = f**3 / 6.0
     total = 0.0
     for a in range(4):
         for b in range(4):
-            total += wu[a] * wv[b] * _lattice(i + a - 1, (j + b - 1) % around, roughness.seed)
+            value = _lattice(i + a - 1, (j + b - 1) % around, roughness.seed)
+            total += _weight(a, u - i) * _weight(b, v - j) * value
     # 151/315 is the mean of the squared weights along one direction: it restores the stated rms.
     return roughness.rms * total / (151.0 / 315.0)
 
@@ -170,7 +175,7 @@ def wall_at(wall, cell, x, y, z, h):
     return rho, kind
 
 
-@njit(cache=True, parallel=True)
+@njit(cache=True)
 def radius_of_wall(wall: Wall, cell, chainage, theta, bare):
     """Return the true polar radius [m] (stations, bearings) about the axis.
 
@@ -182,7 +187,7 @@ def radius_of_wall(wall: Wall, cell, chainage, theta, bare):
         bare: True = the section alone, False = the wall with everything on it.
     """
     out = np.empty((chainage.size, theta.shape[-1]))
-    for i in prange(chainage.size):
+    for i in range(chainage.size):
         for j in range(theta.shape[-1]):
             at = theta[i % theta.shape[0], j]
             if bare:
