@@ -67,7 +67,9 @@ def test_stations_have_the_promised_columns_and_no_zero_for_missing(demo):
     sigma = pd.read_csv(demo[0] / "stations_sigma.csv")
     assert list(stations.columns) == list(sigma.columns) == [c.name for c in STATION_COLUMNS]
     assert stations["easting_m"].isna().all()
-    assert (stations["diameter_max_mm"] >= stations["diameter_min_mm"]).all()
+    fitted = stations["diameter_max_mm"].notna()
+    assert fitted.mean() > 0.99
+    assert (stations["diameter_max_mm"] >= stations["diameter_min_mm"])[fitted].all()
     assert (sigma["diameter_area_mm"].dropna() > 0).all()
 
 
@@ -75,19 +77,20 @@ def test_demo_recovers_the_truth_it_never_reads(demo):
     stations = pd.read_csv(demo[0] / "stations.csv")
     sigma = pd.read_csv(demo[0] / "stations_sigma.csv")
     truth = open_survey(sl.builtin_survey()).truth
-    chainage = stations["distance_m"] / (1 + truth.attrs.get("odometer_scale", 0.003))
-    plain = np.ones(len(stations), bool)
+    chainage = truth["ring_chainage"].values
+    plain = np.array(stations["flags"] != "unlike_neighbours")
     for kind, where, length in zip(
         truth["feature_kind"].values, truth["feature_chainage"].values, truth["feature_length"].values, strict=True
     ):
         if length < 5:
             plain &= np.abs(chainage - where) > length / 2 + 0.1 + 0.1 * float(kind == 4)
-    for axis in ("semi_major", "semi_minor"):
-        true = np.interp(chainage, truth["chainage"].values, truth[axis].values) * 1e3
-        error = (stations[f"{axis}_mm"] - true)[plain]
-        assert np.nanmedian(np.abs(error)) < 0.15
-        assert np.nanmax(np.abs(error)) < 1.0
-        assert np.mean(np.abs(error) < 1.96 * sigma[f"{axis}_mm"][plain]) > 0.95
+    plain &= stations["diameter_area_mm"].notna().to_numpy()
+    for name in ("diameter_area", "diameter_x", "diameter_y"):
+        true = np.interp(chainage, truth["chainage"].values, truth[name].values) * 1e3
+        error = np.abs(stations[f"{name}_mm"] - true)[plain]
+        assert np.median(error) < 0.2
+        assert error.max() < 1.5
+        assert np.mean(error < 1.96 * sigma[f"{name}_mm"][plain]) > 0.95
 
 
 def test_deleting_truth_changes_nothing(demo, tmp_path):
@@ -122,7 +125,7 @@ def test_summary_json_on_stdout(tmp_path):
 @pytest.mark.parametrize(("limit", "code", "verdict"), [("deflection-5", 0, "pass"), ("tight.toml", 3, "fail")])
 def test_rules_decide_the_exit_code(tmp_path, limit, code, verdict):
     rule = Path(sl.__file__).parent / "design" / "rules" / "deflection-5.toml"
-    (tmp_path / "tight.toml").write_text(rule.read_text().replace("limit = 0.05", "limit = 0.002"))
+    (tmp_path / "tight.toml").write_text(rule.read_text().replace("limit = 0.05", "limit = 0.0001"))
     done = run(
         "inspect", rings_csv(tmp_path / "run.csv"), "--nominal", "300mm", "-o", "out", "--check", limit, cwd=tmp_path
     )
@@ -170,8 +173,8 @@ def _back(rows):
         (_word, [], ["run.csv", "row 6", "r_5_mm", "abc"]),
         (_repeat, [], ["run.csv", "repeat"]),
         (_back, [], ["run.csv", "back"]),
-        (None, ["--nominal", "3000mm"], ["run.csv", "3000", "--nominal"]),
-        (None, ["--nominal", "300"], ["--nominal", "300mm"]),
+        (None, ["--nominal", "3000mm"], ["run.csv", "3 m", "--nominal"]),
+        (None, ["--nominal", "300"], ["--nominal", "400mm"]),
         (None, ["--nominal", "-300mm"], ["--nominal"]),
         (None, ["--check", "deflection-6"], ["deflection-6", "deflection-5"]),
         (None, ["--config", "none.toml"], ["none.toml", "--config"]),
