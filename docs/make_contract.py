@@ -22,7 +22,7 @@ def contract() -> str:
     lines = [
         "# The data contract",
         "",
-        "Made by `docs/make_contract.py` from `springline/conventions.py`; change it there.",
+        "Made by `docs/make_contract.py` from `springline/conventions`; change it there.",
         "",
         "## Root attributes",
         "",
