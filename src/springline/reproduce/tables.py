@@ -44,11 +44,11 @@ REASONS = {
 }
 """Why a printed cell differs from the corrected one."""
 
-_DESIGN = {"modulus": 72500.0 * PSI, "poisson": 0.35, "enhancement": 7.0, "safety": 2.0}
-_INCH = 0.0254
+DESIGN = {"modulus": 72500.0 * PSI, "poisson": 0.35, "enhancement": 7.0, "safety": 2.0}
+INCH = 0.0254
 _GROUPS = {"axes": "mean of the axes", "polar": "polar mean", "difference": "difference"}
 _UNITS = {"q": " [%]", "C": "", "P": " [psi]", "t": " [in]"}
-_MEAN_DIAMETER, _THICKNESS, _PRESSURE = 8.0, 0.2462, 20.0
+MEAN_DIAMETER, THICKNESS, PRESSURE = 8.0, 0.2462, 20.0
 
 
 @dataclass(frozen=True)
@@ -190,12 +190,10 @@ def _design_row(largest: Array, axes: Array, polar: Array) -> Array:
         q = np.maximum(ovality(largest, mean), 0.0)
         factor = ovality_factor(q)
         # the text's D_m/t is DR - 1
-        ratio = _MEAN_DIAMETER / _THICKNESS + 1.0
-        pressure = buckling_pressure(ratio, factor=factor, **_DESIGN) / PSI
-        thickness = thickness_buckling(
-            _PRESSURE * PSI, _MEAN_DIAMETER * _INCH, factor=factor, convention="mean", **_DESIGN
-        )
-        parts += [100.0 * q, factor, pressure, thickness / _INCH]
+        ratio = MEAN_DIAMETER / THICKNESS + 1.0
+        pressure = buckling_pressure(ratio, factor=factor, **DESIGN) / PSI
+        thickness = thickness_buckling(PRESSURE * PSI, MEAN_DIAMETER * INCH, factor=factor, convention="mean", **DESIGN)
+        parts += [100.0 * q, factor, pressure, thickness / INCH]
     # printed as magnitudes
     differences = [100.0 * np.abs(1.0 - parts[k + 4] / parts[k]) for k in (2, 3)]
     return np.stack([*parts, *differences], axis=-1)

@@ -11,6 +11,16 @@ if TYPE_CHECKING:
     from springline.reproduce.figure import Figure
 
 MAKERS = {
+    "3.4": "severities:limit",
+    "3.5": "severities:mode_three",
+    "3.7": "severities:mode_four",
+    "3.11": "severities:mode_five_mild",
+    "3.12": "severities:mode_five_severe",
+    "3.14": "severities:area_loss",
+    "3.15": "solids:pipes",
+    "3.16": "means:ovality_and_factor",
+    "3.17": "means:critical_pressure",
+    "3.18": "means:thickness",
     "4.1": "offsets:coverage",
     "4.4": "offsets:deformation_offset",
     "4.6": "offsets:pitch_offset",
@@ -27,6 +37,13 @@ MAKERS = {
     "5.7": "convergence:close_guess",
     "5.8": "convergence:five_guess",
     "5.11": "scanner:correction",
+    "7.3": "lobes:quasi",
+    "7.5": "lobes:chicurel",
+    "7.6": "lobes:second_derivatives",
+    "7.10": "lobes:angles",
+    "7.11": "lobes:depths",
+    "7.12": "lobes:powers",
+    "7.13": "solids:liners",
 }
 """Module and function of each figure, in the order of the text."""
 
