@@ -7,9 +7,9 @@ from __future__ import annotations
 
 from functools import wraps
 
-from tests.authority import adapter_pose, adapter_sections
+from tests.authority import adapter_camera, adapter_pose, adapter_sections
 
-MODULES = (adapter_sections, adapter_pose)
+MODULES = (adapter_sections, adapter_pose, adapter_camera)
 
 
 def _joined(calls):
