@@ -1,0 +1,256 @@
+"""One sense of travel: the chain's evidence over odometer scales, and its noise, walk and shared fractions."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from . import chain
+from .features import KINDS
+from .weights import likeness, weigh
+
+if TYPE_CHECKING:
+    from .features import FeatureList
+    from .options import MatchOptions
+    from .weights import Weights
+
+_COARSE_NOISE, _COARSE_WALK = 0.08, 0.008
+_MOST_CELLS = 6000
+_NATS_KEPT = 15.0
+_SHARED_COUNT = 6.0
+_FINEST_SCALE = 3e-4
+_STARTS = (1.0, 0.4)
+_MOST_CLIMBS = 3
+_END_REACH = 4.0  # a feature at the very end is B's own also where the noise puts it outside
+
+
+@dataclass(frozen=True)
+class State:
+    """What is unknown besides the drift: odometer scale, noise [m], walk [m per root m], shared fractions (kinds,)."""
+
+    scale: float
+    noise: float
+    walk: float
+    shared: np.ndarray
+
+
+@dataclass(frozen=True)
+class Grid:
+    """Grid of drift: low + k step [m]."""
+
+    low: float
+    step: float
+    cells: int
+
+    @cached_property
+    def drift(self) -> np.ndarray:
+        """Drift of each cell [m]."""
+        return self.low + self.step * np.arange(self.cells)
+
+
+@dataclass(frozen=True)
+class Passes:
+    """Smoothed chain of one state.
+
+    Attributes:
+        u: (n,) scaled chainages of A.
+        grid: Of drift.
+        gamma: (n, cells) posterior of the drift at each feature.
+        shares: (n, m) posterior of each pair.
+    """
+
+    u: np.ndarray
+    grid: Grid
+    gamma: np.ndarray
+    shares: np.ndarray
+
+
+class Sense:
+    """A and B driven one way: evidence of any state, and the state that fits best.
+
+    Args:
+        a: Features of A.
+        b: Features of B, mirrored already when that is the sense looked at.
+        options: Priors.
+    """
+
+    def __init__(self, a: FeatureList, b: FeatureList, options: MatchOptions) -> None:
+        self.a, self.b, self.options = a, b, options
+        self.like = likeness(a, b, options)
+        self.extent = np.array(b.extent)
+        self._weighed: tuple[bytes, Weights] | None = None
+        longest = max(a.length, b.length)
+        apart = max(0.0, abs(a.length - b.length) - 3.0 * options.scale_sigma * longest)
+        self.limit = options.offset_limit or 12.0 + apart
+        self.start = State(1.0, options.noise, options.walk, np.array([options.shared[k] for k in KINDS]))
+
+    def grid(self, noise: float) -> Grid:
+        """Return the grid of drift that resolves `noise` [m]."""
+        step = max(0.6 * np.sqrt(2.0) * noise, 2.0 * self.limit / _MOST_CELLS)
+        shift = self.b.extent[0] - self.a.extent[0]
+        return Grid(shift - self.limit, step, int(2.0 * self.limit / step) + 1)
+
+    def scaled(self, scale: float) -> np.ndarray:
+        """Return A's chainages (n,) [m] at an odometer scale."""
+        first = self.a.extent[0]
+        return first + scale * (self.a.chainage - first)
+
+    def _weights(self, shared: np.ndarray) -> Weights:
+        key = shared.tobytes()
+        if self._weighed is None or self._weighed[0] != key:
+            self._weighed = key, weigh(self.like, self.a, self.b, shared)
+        return self._weighed[1]
+
+    def _ends(self, weights: Weights, u: np.ndarray, grid: Grid, reach: float) -> tuple[np.ndarray, np.ndarray, float]:
+        offset = (grid.drift - self.b.extent[0] + self.a.extent[0]) / self.options.offset_scale
+        begin = -np.log1p(offset**2) - weights.stretch(self.b, u[0] + grid.drift - reach)
+        finish = weights.stretch(self.b, u[-1] + grid.drift + reach)
+        tops = begin.max(), finish.max()
+        norm = np.log(np.pi * self.options.offset_scale / grid.step)
+        return np.exp(begin - tops[0]), np.exp(finish - tops[1]), float(sum(tops)) - norm
+
+    def _forward(self, state: State, grid: Grid, keep: bool) -> tuple:
+        u = self.scaled(state.scale)
+        weights = self._weights(state.shared)
+        o = self.options
+        sigma = float(np.hypot(np.sqrt(2.0) * state.noise, 0.3 * grid.step))
+        start, end, top = self._ends(weights, u, grid, _END_REACH * sigma)
+        motion = (state.walk, o.slip_rate, o.slip_scale)
+        found, alpha, seen = chain.forward(
+            u, weights.shared, self.b.chainage, weights.pairs, self.extent, sigma, *motion, grid.low, grid.step,
+            start, end, keep,
+        )  # fmt: skip
+        return found + top, u, alpha, seen, weights.pairs, sigma, end
+
+    def evidence(self, state: State, grid: Grid | None = None) -> float:
+        """Return the log of the likelihood ratio of this state to two pipes with independent features."""
+        return self._forward(state, grid or self.grid(state.noise), False)[0]
+
+    def prior(self, state: State) -> float:
+        """Return the log prior of noise, walk, scale and shared fractions, 0 at its top."""
+        o = self.options
+        p, p0 = state.shared, self.start.shared
+        beta = p0 * np.log(p / p0) + (1.0 - p0) * np.log((1.0 - p) / (1.0 - p0))
+        off = (
+            np.log(state.noise / o.noise) / o.noise_spread,
+            np.log(state.walk / o.walk) / o.walk_spread,
+            (state.scale - 1.0) / o.scale_sigma,
+        )
+        return _SHARED_COUNT * float(beta[self.like.density_a > 0].sum()) - 0.5 * float(np.square(off).sum())
+
+    def passes(self, state: State) -> Passes:
+        """Return the smoothed chain of a state."""
+        grid = self.grid(state.noise)
+        _, u, alpha, seen, weights, sigma, end = self._forward(state, grid, True)
+        o = self.options
+        chain.smooth(u, alpha, seen, state.walk, o.slip_rate, o.slip_scale, grid.step, end)
+        shares = np.zeros(weights.shape)
+        chain.pair_shares(u, self.b.chainage, weights, sigma, grid.low, grid.step, alpha, seen, shares)
+        return Passes(u, grid, alpha, shares)
+
+    def shared_from(self, state: State, passes: Passes) -> np.ndarray:
+        """Return (kinds,) the fraction of A's features that B has, from posterior pairs and a beta prior."""
+        inside = (passes.gamma * self._covered(passes)).sum(axis=1)
+        shared = np.empty(len(KINDS))
+        for k, kind in enumerate(KINDS):
+            mine = self.a.kind == k
+            hits = passes.shares[mine].sum() + _SHARED_COUNT * self.options.shared[kind]
+            shared[k] = hits / (max(inside[mine].sum(), passes.shares[mine].sum()) + _SHARED_COUNT)
+        return np.clip(shared, 0.02, 0.98)
+
+    def _covered(self, passes: Passes) -> np.ndarray:
+        at = passes.u[:, None] + passes.grid.drift[None, :]
+        return (at >= self.extent[0]) & (at <= self.extent[1])
+
+    def _scale_step(self) -> float:
+        """Step of scales that the walk and the noise can bridge from end to end."""
+        o = self.options
+        length = max(self.a.length, 1.0)
+        bridge = np.sqrt(2.0) * (o.noise + o.walk * np.sqrt(length)) / length
+        return float(np.clip(bridge, _FINEST_SCALE, 0.3 * o.scale_sigma))
+
+    def coarse(self) -> tuple[np.ndarray, np.ndarray]:
+        """Return odometer scales (k,) all over the prior, and the log evidence of each (k,) with a wide noise."""
+        o = self.options
+        step = 2.0 * self._scale_step()
+        reach = int(3.2 * o.scale_sigma / step)
+        scales = 1.0 + step * np.arange(-reach, reach + 1)
+        wide = replace(self.start, noise=max(o.noise, _COARSE_NOISE), walk=max(o.walk, _COARSE_WALK))
+        return scales, self.over(scales, wide)
+
+    def over(self, scales: np.ndarray, state: State) -> np.ndarray:
+        """Return the log evidence with the priors (k,) at each of the `scales`."""
+        grid = self.grid(state.noise)
+        states = (replace(state, scale=float(s)) for s in scales)
+        return np.array([self.evidence(s, grid) + self.prior(s) for s in states])
+
+    def climb(self, state: State, rounds: int = 4) -> State:
+        """Return the state near `state` with the most evidence and prior: noise, walk, scale and shared fractions."""
+        best = self.evidence(state) + self.prior(state)
+        steps = {"noise": 1.5, "walk": 1.8, "scale": 1.0 + 0.5 * self._scale_step()}
+        for _ in range(rounds):
+            moved = False
+            trial = replace(state, shared=self.shared_from(state, self.passes(state)))
+            found = self.evidence(trial) + self.prior(trial)
+            if found > best - 1.0:
+                state, best = trial, found
+            for name, factor in steps.items():
+                for change in (factor, 1.0 / factor):
+                    trial = replace(state, **{name: getattr(state, name) * change})
+                    found = self.evidence(trial) + self.prior(trial)
+                    if found > best + 0.05:
+                        state, best, moved = trial, found, True
+                        break
+            if not moved:
+                steps = {name: factor**0.5 for name, factor in steps.items()}
+        return state
+
+    def _best(self, scales: np.ndarray) -> tuple[State, np.ndarray]:
+        """Return the best state of several climbs, and the log evidence (k,) of `scales` with its noise.
+
+        A low noise shows the pattern of the joints that tells one joint from the next, a high one bears outliers.
+        """
+        best, top, found = self.start, -np.inf, np.empty(0)
+        for share in _STARTS:
+            state = replace(self.start, noise=share * self.options.noise)
+            over = self.over(scales, state)
+            for _ in range(_MOST_CLIMBS):
+                scale = float(scales[np.argmax(over)])
+                if abs(scale - state.scale) < 2.0 * self._scale_step() and state.noise != share * self.options.noise:
+                    break
+                state = self.climb(replace(state, scale=scale))
+                over = self.over(scales, state)
+            if (reached := self.evidence(state) + self.prior(state)) > top:
+                best, top, found = state, reached, over
+        return best, found
+
+    def fit(self, coarse: tuple[np.ndarray, np.ndarray]) -> Fit:
+        """Return the state that fits best and the scales that carry weight; `coarse` as `coarse()` gives it."""
+        scales, found = coarse
+        step = self._scale_step()
+        kept = scales[found > found.max() - _NATS_KEPT]
+        fine = np.unique(np.round(np.concatenate((kept - step, kept, kept + step)), 9))
+        state, found = self._best(fine)
+        near = state.scale + 0.5 * step * np.arange(-2, 3)
+        rest = fine[(np.abs(fine - state.scale) > 1.25 * step) & (found > found.max() - _NATS_KEPT)]
+        scales = np.concatenate((near, rest))
+        width = np.where(np.arange(scales.size) < near.size, 0.5 * step, step)
+        log_prior = np.log(width / (np.sqrt(2 * np.pi) * self.options.scale_sigma))
+        return Fit(state, scales, self.over(scales, state) + log_prior)
+
+
+@dataclass(frozen=True)
+class Fit:
+    """Best state of one sense; scales (k,) and their share of the log evidence (k,)."""
+
+    state: State
+    scales: np.ndarray
+    log_evidence: np.ndarray
+
+    @property
+    def total(self) -> float:
+        """Log evidence of the sense, summed over scales."""
+        return float(np.logaddexp.reduce(self.log_evidence))

@@ -1,0 +1,152 @@
+"""Match two inspections of one pipe by their features; the model is in docs/compare.md."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ..errors import InputError
+from .features import KINDS
+from .fit import Sense
+from .options import MatchOptions
+from .placing import Placed, place
+from .result import Drift, Match, Pairs, Span
+from .rival import same_joints
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from .features import FeatureList
+    from .fit import Fit
+
+_FEWEST = 2
+_HOPELESS = 60.0
+_ONE_PLACE = 0.95
+
+
+def match(a: FeatureList, b: FeatureList, options: MatchOptions | None = None) -> Match:
+    """Return which features of `b` are which of `a`, and where every chainage of `a` lies in `b`.
+
+    Args:
+        a: Features of the first inspection.
+        b: Features of the second, as its own counter and operator gave them, from whichever end.
+        options: Priors and limits; `MatchOptions()` suits features measured by a profiler, `MatchOptions.cctv()`
+            observations coded by eye.
+
+    Raises:
+        InputError: A list has fewer than two features.
+
+    Source: docs/compare.md. Forward-backward passes: L. R. Rabiner, Proc. IEEE 77 (1989) 257-286.
+
+    >>> import numpy as np
+    >>> from springline.compare import feature_list, match
+    >>> x = np.array([0.0, 2.5, 5.02, 7.49, 10.0, 12.53, 15.0])
+    >>> kind = ["joint", "joint", "lateral", "joint", "lateral", "joint", "joint"]
+    >>> bearing = [np.nan, np.nan, 0.2, np.nan, 2.9, np.nan, np.nan]
+    >>> a = feature_list(x, kind, bearing=bearing)
+    >>> found = match(a, feature_list(1.004 * x + 1.2, kind, bearing=bearing).mirrored())
+    >>> found.reversed, len(found.pairs)
+    (True, 7)
+    """
+    options = options or MatchOptions()
+    for one in (a, b):
+        if len(one) < _FEWEST:
+            raise InputError(
+                "it holds a single feature",
+                where=one.name,
+                expected="at least two: one cannot tell an offset from a change of scale",
+                mend="add joints, laterals or manholes to the list",
+            )
+    senses = Sense(a, b, options), Sense(a, b.mirrored(), options)
+    coarse = [s.coarse() for s in senses]
+    tops = [found.max() for _, found in coarse]
+    fits = [s.fit(c) if top > max(tops) - _HOPELESS else None for s, c, top in zip(senses, coarse, tops, strict=True)]
+    totals = np.array([f.total if f else -np.inf for f in fits])
+    best = int(totals[1] > totals[0])
+    sense, fit = senses[best], fits[best]
+    direction = float(1.0 / (1.0 + np.exp(-min(totals[best] - totals[1 - best], 700.0))))
+    same = _probability_same(sense, fit, float(np.logaddexp(*totals) - np.log(2.0)))
+    placed = place(sense, fit)
+    return _result(a, b, options, bool(best), direction, same, fit, placed)
+
+
+def match_any(a: FeatureList, others: Sequence[FeatureList], options: MatchOptions | None = None) -> list[Match]:
+    """Return the match of `a` with each of `others`, in their order: one tally against many."""
+    return [match(a, b, options) for b in others]
+
+
+def _probability_same(sense: Sense, fit: Fit, total: float) -> float:
+    """Return the posterior of one pipe against the better of its rivals; `total` is the log evidence of one pipe."""
+    rival = max(0.0, same_joints(sense, fit))
+    prior = sense.options.prior_same
+    odds = total - rival + np.log(prior / (1.0 - prior))
+    return float(1.0 / (1.0 + np.exp(-np.clip(odds, -700.0, 700.0))))
+
+
+def _result(
+    a: FeatureList, b: FeatureList, options: MatchOptions, turned: bool, direction: float, same: float, fit: Fit,
+    placed: Placed,
+) -> Match:  # fmt: skip
+    reason = ""
+    if same < options.accept_same:
+        reason = (
+            f"the features do not show that both inspections saw the same pipe: probability {same:.2f}, "
+            f"at least {options.accept_same:g} is asked for"
+        )
+    elif direction < options.accept_same:
+        reason = f"the features do not tell from which end the second was driven: probability {direction:.2f}"
+    accepted = not reason
+    pairs, drift, flagged = _nothing() if reason else _placed(b, options, turned, placed)
+    return Match(
+        accepted=accepted,
+        reason=reason,
+        probability_same=same,
+        reversed=turned,
+        probability_direction=direction,
+        scale=fit.state.scale,
+        noise=fit.state.noise,
+        walk=fit.state.walk,
+        shared={k: float(fit.state.shared[i]) for i, k in enumerate(KINDS) if np.any(a.kind == i)},
+        pairs=pairs,
+        drift=drift,
+        flagged=flagged if accepted else (Span(*a.extent, reason),),
+    )
+
+
+def _nothing() -> tuple[Pairs, Drift, tuple[Span, ...]]:
+    none, index = np.empty(0), np.empty(0, np.int64)
+    return Pairs(index, index, none, none), Drift(none, none, none, none, 0.0), ()
+
+
+def _placed(
+    b: FeatureList, options: MatchOptions, turned: bool, placed: Placed
+) -> tuple[Pairs, Drift, tuple[Span, ...]]:
+    """Return pairs, drift and flags in B's own chainage."""
+    y, sign = placed.chainage_b, 1.0
+    index_b = placed.index_b
+    if turned:
+        y, sign, index_b = sum(b.extent) - y, -1.0, len(b) - 1 - index_b
+    residual = sign * placed.residual
+    pairs = Pairs(placed.index_a, index_b, placed.probability, residual)
+    drift = Drift(placed.chainage_a, y, placed.sigma, placed.mode_probability, placed.spread)
+    return pairs, drift, _flags(drift, b, options)
+
+
+def _flags(drift: Drift, b: FeatureList, options: MatchOptions) -> tuple[Span, ...]:
+    """Return the stretches of A in which the drift is not to be relied on, half-way to the next good node."""
+    margin = options.sigma_limit
+    y = drift.chainage_b
+    why = np.full(len(y), "", dtype=object)
+    why[drift.sigma > options.sigma_limit] = f"one-sigma above {options.sigma_limit:g} m"
+    why[drift.mode_probability < _ONE_PLACE] = "more than one place is likely"
+    why[(y < b.extent[0] - margin) | (y > b.extent[1] + margin)] = "not inspected by both"
+    x = drift.chainage_a
+    edges = np.concatenate((x[:1], 0.5 * (x[1:] + x[:-1]), x[-1:]))
+    spans: list[Span] = []
+    for i in np.flatnonzero(why != ""):
+        if spans and spans[-1].reason == why[i] and spans[-1].end == edges[i]:
+            spans[-1] = Span(spans[-1].start, float(edges[i + 1]), why[i])
+        else:
+            spans.append(Span(float(edges[i]), float(edges[i + 1]), why[i]))
+    return tuple(spans)

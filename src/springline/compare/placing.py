@@ -1,0 +1,105 @@
+"""Pairs and drift of the fitted chain, averaged over the odometer scales that carry weight."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from .rival import joint_module
+
+if TYPE_CHECKING:
+    from .fit import Fit, Passes, Sense
+
+_LEAST_WEIGHT = 0.01
+_MOST_SCALES = 12
+_HALF_MODE = 1.2
+_HALF_MODULE = 0.4
+
+
+@dataclass(frozen=True)
+class Placed:
+    """Pairs and drift in the sense that was looked at; fields as in `Pairs` and `Drift`."""
+
+    index_a: np.ndarray
+    index_b: np.ndarray
+    probability: np.ndarray
+    residual: np.ndarray
+    chainage_a: np.ndarray
+    chainage_b: np.ndarray
+    sigma: np.ndarray
+    mode_probability: np.ndarray
+    spread: float
+
+
+def place(sense: Sense, fit: Fit) -> Placed:
+    """Return pairs and drift, averaged over scales."""
+    weights = np.exp(fit.log_evidence - fit.total)
+    order = np.argsort(weights)[::-1][:_MOST_SCALES]
+    order = order[weights[order] > _LEAST_WEIGHT * weights.max()]
+    weights = weights[order] / weights[order].sum()
+    half = _half_mode(sense)
+    shares = np.zeros((len(sense.a), len(sense.b)))
+    modes = []
+    for scale, weight in zip(fit.scales[order], weights, strict=True):
+        passes = sense.passes(replace(fit.state, scale=float(scale)))
+        shares += weight * passes.shares
+        modes.append(_mode(passes, half))
+    y, sigma, probability = _mix(np.array(modes), weights, half)
+    index_a, index_b, share = _choose(shares, sense.options.accept_pair)
+    residual = sense.b.chainage[index_b] - y[index_a]
+    x, keep = np.unique(sense.a.chainage, return_index=True)
+    o = sense.options
+    spread = fit.state.walk**2 + 2.0 * o.slip_rate * o.slip_scale**2
+    return Placed(index_a, index_b, share, residual, x, y[keep], sigma[keep], probability[keep], spread)
+
+
+def _half_mode(sense: Sense) -> float:
+    """Return how far from its top a place reaches [m]: less than half a joint's length, where there are joints."""
+    module, _ = joint_module(sense.a)
+    return min(_HALF_MODE, _HALF_MODULE * module) if np.isfinite(module) and module > 0 else _HALF_MODE
+
+
+def _mode(passes: Passes, half: float) -> np.ndarray:
+    """Return (3, n): the place of each feature in B [m], its variance [m2] and the probability of the place."""
+    gamma, drift = passes.gamma, passes.grid.drift
+    width = max(1, round(half / passes.grid.step))
+    sums = np.concatenate((np.zeros((len(gamma), 1)), np.cumsum(gamma, axis=1, dtype=np.float64)), axis=1)
+    cells = np.arange(gamma.shape[1])
+    low, high = np.maximum(cells - width, 0), np.minimum(cells + width + 1, gamma.shape[1])
+    top = np.argmax(sums[:, high] - sums[:, low], axis=1)
+    inside = np.abs(cells[None, :] - top[:, None]) <= width
+    part = np.where(inside, gamma, 0.0).astype(np.float64)
+    mass = part.sum(axis=1)
+    mean = part @ drift / mass
+    variance = (part * (drift[None, :] - mean[:, None]) ** 2).sum(axis=1) / mass
+    return np.array([passes.u + mean, variance, mass])
+
+
+def _mix(modes: np.ndarray, weights: np.ndarray, half: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return place (n,), sigma (n,) and probability (n,) from the modes (k, 3, n) of k scales of weights (k,)."""
+    y, variance, mass = modes[:, 0], modes[:, 1], weights[:, None] * modes[:, 2]
+    near = np.abs(y[:, None, :] - y[None, :, :]) < half
+    support = (near * mass[None, :, :]).sum(axis=1)
+    top = np.argmax(support, axis=0)
+    part = near[top, :, np.arange(y.shape[1])].T * mass
+    total = part.sum(axis=0)
+    mean = (part * y).sum(axis=0) / total
+    spread = (part * (variance + (y - mean) ** 2)).sum(axis=0) / total
+    return mean, np.sqrt(spread), np.minimum(total, 1.0)
+
+
+def _choose(shares: np.ndarray, least: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return the pairs (k,), (k,) and their probability (k,): every feature of A and of B at most once."""
+    shares = shares / np.maximum(shares.sum(axis=0, keepdims=True), 1.0)
+    i, j = np.nonzero(shares >= least)
+    order = np.argsort(shares[i, j], kind="stable")[::-1]
+    used_a, used_b, kept = set(), set(), []
+    for k in order:
+        if i[k] not in used_a and j[k] not in used_b:
+            used_a.add(i[k])
+            used_b.add(j[k])
+            kept.append(k)
+    kept = np.array(sorted(kept, key=lambda k: (i[k], j[k])), dtype=np.int64)
+    return i[kept], j[kept], np.minimum(shares[i[kept], j[kept]], 1.0)
