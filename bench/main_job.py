@@ -1,4 +1,4 @@
-"""Time and memory of the main job on a kilometre and a half of rings: 200,000 rings of 360 readings from a zarr folder."""
+"""Time and memory of the main job on 200,000 rings of 360 readings, 1.5 km, from a zarr folder."""
 
 from __future__ import annotations
 
