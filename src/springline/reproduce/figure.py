@@ -5,6 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from math import ceil, log10
 
+_RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+
 
 @dataclass(frozen=True)
 class Check:
@@ -47,7 +49,8 @@ class Figure:
 def below(value: float) -> str:
     """Return the power of ten that a small number stays below, as text; rounding then does not show.
 
-    >>> below(4.4e-13), below(1e-16)
-    ('1e-12', '1e-12')
+    >>> below(4.4e-10), below(1e-16)
+    ('10⁻⁹', '10⁻¹²')
     """
-    return f"1e{max(ceil(log10(max(value, 1e-300))), -12)}"
+    exponent = max(ceil(log10(max(value, 1e-300))), -12)
+    return "10" + str(exponent).translate(_RAISED)

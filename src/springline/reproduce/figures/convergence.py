@@ -14,6 +14,8 @@ from springline.reproduce.figure import Check, Figure, below
 from springline.reproduce.figures.oblique import R1, R2
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from numpy.typing import ArrayLike, NDArray
 
     Array = NDArray[np.float64]
@@ -89,7 +91,7 @@ def singular_ratio() -> float:
     return float(singular[-1] / singular[0])
 
 
-def _five(consistent: bool):
+def _five(consistent: bool) -> Callable[[Array], Array]:
     rings = rings_of(*FIVE_TRUTH[:2], FIVE_STEPS)
     if consistent:
         rings = [r._replace(beta=r.beta + FIVE_TRUTH[2] + step[2]) for r, step in zip(rings, FIVE_STEPS, strict=True)]
