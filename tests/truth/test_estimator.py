@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from springline.estimation import Inertial, JointOptions, Rings, Ties, estimate_joint
+from springline.estimation import Inertial, JointOptions, Rings, Ties, estimate_joint, pooled_harmonics
 from springline.geometry.fitting import fit_ellipses_to_ranges
 from springline.simulate import parse, simulate
 
@@ -54,9 +54,13 @@ sigma = "10mm"
 TERMS = ("offset_y", "offset_z", "pitch", "yaw", "roll")
 
 
-def survey(heading=30.0, stand=60.0, seed=0):
+def survey(heading=30.0, stand=60.0, seed=0, text=None):
     """Return rings, inertial log, ties and truth of a short weave."""
-    made = simulate(parse(WEAVING.format(heading=heading, stand=stand)), seed=seed)
+    return of_survey(simulate(parse((text or WEAVING).format(heading=heading, stand=stand)), seed=seed))
+
+
+def of_survey(made):
+    """Return the same of a simulated survey."""
     data = made.rings
     fits = fit_ellipses_to_ranges(data["range"].values, data["bearing"].values)
     rings = Rings(data["distance"].values, fits.parameters, fits.covariance, data["time"].values)
@@ -144,9 +148,11 @@ def test_turning_the_earth_turns_the_layout_and_nothing_else(weave):
     c, s = np.cos(1.0), np.sin(1.0)
     turn = np.array([[c, s, 0.0], [-s, c, 0.0], [0.0, 0.0, 1.0]])
     other = estimate_joint(rings, log, Ties(ties.distance, ties.position @ turn.T + 5.0, ties.sigma))
-    np.testing.assert_allclose(other.pose, found.pose, atol=1e-6)
-    np.testing.assert_allclose(other.section, found.section, atol=1e-8)
-    np.testing.assert_allclose(other.axis, found.axis @ turn.T + 5.0, atol=1e-4)
+    # To a hundredth of what is stated: the iteration stops at a tenth of it.
+    assert np.max(np.abs(other.pose - found.pose) / found.pose_sigma) < 0.02
+    assert np.max(np.abs(other.section - found.section) / found.section_sigma) < 0.02
+    assert np.max(np.abs(other.axis - (found.axis @ turn.T + 5.0)) / found.axis_sigma) < 0.02
+    np.testing.assert_allclose(other.pose_sigma, found.pose_sigma, rtol=0.02)
 
 
 def test_without_ties_or_standstill_sigma_of_the_centreline_grows(weave):
@@ -197,3 +203,48 @@ def test_rings_in_another_order_are_refused(weave):
     with pytest.raises(ValueError, match="does not increase"):
         Rings(rings.distance[order], rings.parameters[order], rings.covariance[order])
     assert JointOptions().knot_step > 0
+
+
+EVENTS = {
+    "knock": ("[rings]", "knock = [{{ chainage = 8.0, length = 0.2, roll_deg = 15.0 }}]\n[rings]"),
+    "slip": ("scale_error = 0.005", "scale_error = 0.005\nslip = [{{ chainage = 8.3, length = 0.1, extra = 0.1 }}]"),
+    "stop and gap": (
+        "duration = {stand} }}]",
+        "duration = {stand} }}, {{ chainage = 8.3, duration = 60.0 }}]",
+        "accel_noise = 0.0005",
+        "accel_noise = 0.0005\ngap = [[100.0, 101.0]]",
+    ),
+    "outliers and occlusion": ("outliers = 0.02", "outliers = 0.2\nblind_deg = [[20.0, 110.0]]"),
+}
+
+
+@pytest.mark.parametrize("event", EVENTS)
+def test_what_happens_on_the_way_does_no_harm(event):
+    text = WEAVING
+    for old, new in zip(EVENTS[event][::2], EVENTS[event][1::2], strict=True):
+        assert old in text
+        text = text.replace(old, new, 1)
+    rings, log, ties, truth = survey(text=text)
+    found = estimate_joint(rings, log, ties)
+    error = found.pose - np.stack([truth[name].values for name in TERMS], axis=1)
+    assert rms(error[:, :2]) < 0.1e-3
+    assert rms(error[:, 2:4]) < np.radians(0.25)
+    assert rms(error[:, 4]) < np.radians(0.1)
+    section, sigma = radii(found)
+    wrong = section - true_section(truth)
+    assert rms(wrong) < 0.05e-3
+    assert np.mean(np.abs(wrong) < 1.96 * sigma) > 0.9
+
+
+def test_a_section_that_is_no_ellipse_is_said_and_does_not_pull_the_centre():
+    text = WEAVING.replace("[robot]", "[[pipe.harmonic]]\norder = 3\namplitude = 0.0007\n[robot]")
+    made = simulate(parse(text.format(heading=30.0, stand=60.0)), seed=0)
+    ranges, bearings = made.rings["range"].values, made.rings["bearing"].values
+    rings, log, ties, truth = of_survey(made)
+    shape = pooled_harmonics(ranges, bearings, rings.parameters)
+    assert shape.significant.all()
+    assert shape.amplitude == pytest.approx(0.0007, rel=0.1)
+    assert "no ellipse" in estimate_joint(rings, log, ties, harmonics=shape).warnings[0]
+    freed = estimate_joint(rings, log, ties, harmonics=shape).pose[:, 1] - truth["offset_z"].values
+    bound = estimate_joint(rings, log, ties).pose[:, 1] - truth["offset_z"].values
+    assert rms(freed) < 0.7 * rms(bound)

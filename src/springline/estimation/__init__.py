@@ -10,7 +10,9 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from .bends import Bend
     from .data import Inertial, Rings, Ties
+    from .harmonics import Harmonics, pooled_harmonics
     from .joint import estimate_joint
     from .options import JointOptions
     from .results import JointEstimate
@@ -23,9 +25,21 @@ _HOMES = {
     "JointOptions": "options",
     "JointEstimate": "results",
     "Bend": "bends",
+    "Harmonics": "harmonics",
+    "pooled_harmonics": "harmonics",
 }
 
-__all__ = ["Inertial", "JointEstimate", "JointOptions", "Rings", "Ties", "estimate_joint"]
+__all__ = [
+    "Bend",
+    "Harmonics",
+    "Inertial",
+    "JointEstimate",
+    "JointOptions",
+    "Rings",
+    "Ties",
+    "estimate_joint",
+    "pooled_harmonics",
+]
 
 
 def __getattr__(name: str) -> Any:

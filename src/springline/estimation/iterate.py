@@ -10,6 +10,8 @@ from .problem import Problem
 from .solver import Factored, Normal, solve
 from .states import BLOCK, CLOCK, SCALARS, State
 
+_NORMAL = 0.4549
+"""Median of a squared standard normal."""
 _SETTLING = 1
 _TUNED = 6
 """Steps after which scales are first, and last, taken from the data: then the weights stand still."""
@@ -23,7 +25,7 @@ class Solution:
         state: The estimate.
         covariance: Blocks of its covariance.
         scales: Factor name to its groups' one-sigma over the stated one.
-        misfits: Factor name to the median squared residual over that of normal noise.
+        misfit: Median squared residual of the rings over that of normal noise.
         iterations: Steps taken.
         converged: Whether the last step was within the tolerance.
     """
@@ -31,7 +33,7 @@ class Solution:
     state: State
     covariance: Factored
     scales: dict[str, np.ndarray]
-    misfits: dict[str, float]
+    misfit: float
     iterations: int
     converged: bool
 
@@ -49,16 +51,20 @@ def iterate(problem: Problem, state: State, bend) -> Solution:
     for count in range(1, problem.options.iterations + 1):
         factors = problem.factors(float(state.scalars[CLOCK]), bend(state))
         normal = Normal.zeros(len(state.knots), BLOCK, SCALARS)
-        linear = {}
+        linear, squares = {}, []
         for name, factor in factors.items():
-            if name in scales:
-                factor.scale = scales[name]
-            linear[name] = factor.linearise(state)
-            linear[name].add(normal)
+            factor.scale = scales.get(name, factor.scale)
+            for part in factor.windows():
+                one = part.linearise(state)
+                one.add(normal)
+                if name == "rings":
+                    squares.append(one.residual**2)
+                else:
+                    linear[name] = one
         found = solve(normal, problem.threads(state))
         if converged:
             break
-        before = {name: factor.scale.copy() for name, factor in factors.items()}
+        before = {name: factors[name].scale.copy() for name in linear}
         for name, one in linear.items():
             if _SETTLING < count <= _TUNED:
                 one.tune(found)
@@ -71,5 +77,5 @@ def iterate(problem: Problem, state: State, bend) -> Solution:
         )
         steady = all(np.allclose(before[name], scales[name], rtol=0.1) for name in scales)
         converged = count > _SETTLING + 1 and step < problem.options.tolerance and steady
-    misfits = {name: one.misfit() for name, one in linear.items()}
-    return Solution(state, found, scales, misfits, count, converged)
+    misfit = float(np.median(np.concatenate(squares)) / _NORMAL)
+    return Solution(state, found, scales, misfit, count, converged)

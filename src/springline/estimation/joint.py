@@ -9,6 +9,7 @@ import numpy as np
 from ..errors import InputError
 from .bends import find_bends
 from .data import Inertial, Rings, Ties
+from .harmonics import Harmonics
 from .iterate import Solution, iterate
 from .options import JointOptions
 from .problem import Problem
@@ -25,7 +26,12 @@ _NO_LOG = "without an inertial log nothing tells {}"
 
 
 def estimate_joint(
-    rings: Rings, inertial: Inertial | None = None, ties: Ties | None = None, options: JointOptions | None = None
+    rings: Rings,
+    inertial: Inertial | None = None,
+    ties: Ties | None = None,
+    options: JointOptions | None = None,
+    *,
+    harmonics: Harmonics | None = None,
 ) -> JointEstimate:
     """Return pose, section and layout that explain everything measured at once, with their covariance.
 
@@ -38,6 +44,8 @@ def estimate_joint(
         inertial: Rates and specific force; None when there is none. Needs `rings.time`.
         ties: Known points of the axis; None when there are none.
         options: Noise laws and priors.
+        harmonics: What `pooled_harmonics` found in the rings' readings; its ellipses are then used, and a shape that is
+            no ellipse is said in the warnings.
 
     Returns:
         JointEstimate; what the given measurements cannot tell is NaN, with the reason in `why_missing`.
@@ -55,9 +63,17 @@ def estimate_joint(
     """
     options = options or JointOptions()
     _check(rings, inertial)
+    remarks = []
+    if harmonics is not None:
+        rings = replace(rings, parameters=harmonics.parameters)
+        if harmonics.significant.any():
+            remarks.append(
+                f"The section is no ellipse: third and fourth harmonics of up to {1e3 * harmonics.amplitude:.2f} mm in "
+                f"{int(harmonics.significant.sum())} of {len(harmonics.significant)} stretches."
+            )
     problem, state = _set_up(rings, inertial, ties, options)
     solution = iterate(problem, state, lambda now: bend_terms(problem, now))
-    return _told(problem, solution, ties)
+    return _told(problem, solution, ties, remarks)
 
 
 def _check(rings: Rings, inertial: Inertial | None) -> None:
@@ -108,7 +124,7 @@ def _set_up(rings: Rings, inertial: Inertial | None, ties: Ties | None, options:
     return replace(problem, ties=shifted, origin=state.axis[0], north=north), state
 
 
-def _told(problem: Problem, solution: Solution, ties: Ties | None) -> JointEstimate:
+def _told(problem: Problem, solution: Solution, ties: Ties | None, remarks: list[str]) -> JointEstimate:
     values = at_rings(problem, solution)
     why = _missing(problem)
     state = solution.state
@@ -127,8 +143,8 @@ def _told(problem: Problem, solution: Solution, ties: Ties | None) -> JointEstim
             values[name][:] = np.nan
     if "chainage" in why:
         values["chainage"][:] = np.nan
-    warnings = []
-    misfit = solution.misfits["rings"]
+    warnings = list(remarks)
+    misfit = solution.misfit
     if misfit > _MISFIT:
         warnings.append(
             f"Rings differ from ellipses {np.sqrt(misfit):.1f} times more than their noise: the section has a shape "

@@ -19,7 +19,7 @@ class JointOptions:
         accel_bias: Prior of the accelerometer's bias [m/s2]; along the pipe and across it nothing else tells it.
         scale: Prior of the odometer's scale.
         slip: Prior of the travel direction against the forward axis [rad].
-        lever: Prior of the place along the robot that moves straight ahead [m].
+        lever: Prior of the place, along the robot and below it, that moves straight ahead [m].
         axles: Prior of the axles' area [m2].
         clock: Prior of the inertial clock's offset [s].
         along: Random walk of the odometer [m per square root of m].
@@ -30,6 +30,7 @@ class JointOptions:
         turning: No inertial log: random walk of the robot's attitude [rad per square root of m]; a start.
         tails: Degrees of freedom of Student's t by which outliers, slips, knocks and kinks are let through.
         kink_tails: The same for the pipe's direction: between joints it keeps it, at joints and in bends it does not.
+        across_tails: The same for sideways creep: wheels in a bend are pushed aside.
         iterations: Most Gauss-Newton steps.
         tolerance: Step, in one-sigma and root mean square over the knots, below which the estimate stands.
     """
@@ -39,7 +40,7 @@ class JointOptions:
     gyro_bias: float = 5e-4
     accel_noise: float = 0.01
     accel_bias: float = 0.015
-    scale: float = 0.02
+    scale: float = 0.005
     slip: float = 0.02
     lever: float = 0.3
     axles: float = 0.1
@@ -52,6 +53,7 @@ class JointOptions:
     turning: float = 0.1
     tails: float = 4.0
     kink_tails: float = 1.0
+    across_tails: float = 1.0
     iterations: int = 15
     tolerance: float = 0.1
 

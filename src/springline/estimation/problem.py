@@ -25,6 +25,7 @@ from .states import (
     DIRECTION,
     GYRO,
     LEVER,
+    LEVER_UP,
     ORIGIN,
     SCALARS,
     SCALE,
@@ -115,7 +116,7 @@ class Problem:
             every = (np.arange(intervals), np.zeros(intervals))
             starts = self.places(self.knots[:-1], clock, at_knots, every)
             root = np.sqrt(self.step)
-            out.append(odometry(starts, own.along * root, own.across * root, own.tails))
+            out.append(odometry(starts, own.along * root, own.across * root, own.tails, own.across_tails))
             # Creep and wander of an attitude that nothing else tells cannot both be taken from the data.
             out[-1].tuned = (False, self.track is not None)
         # The inertial log's own factors do not ask what the rings' clock shows.
@@ -172,10 +173,11 @@ class Problem:
         sigma[GYRO], sigma[ACCEL] = own.gyro_bias, own.accel_bias
         if self.track is not None and self.track.bias_time > 0.0:
             sigma[GYRO] = own.gyro_noise / np.sqrt(self.track.bias_time)
-        sigma[[SCALE, SLIP_UP, SLIP_RIGHT, LEVER, AXLES, CLOCK]] = (
+        sigma[[SCALE, SLIP_UP, SLIP_RIGHT, LEVER, LEVER_UP, AXLES, CLOCK]] = (
             own.scale,
             own.slip,
             own.slip,
+            own.lever,
             own.lever,
             own.axles,
             own.clock,

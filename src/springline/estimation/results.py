@@ -9,10 +9,11 @@ from numba import njit
 
 from .bends import Bend
 from .factors.base import DERIVATIVE_STEPS, WIDTH
-from .factors.sensor import evaluate
+from .factors.rings import WINDOW
+from .factors.sensor import OUT, evaluate
 from .iterate import Solution
 from .problem import Problem
-from .states import ACCEL, AXLES, CLOCK, GYRO, LEVER, SCALE, SLIP_RIGHT, SLIP_UP
+from .states import ACCEL, AXLES, CLOCK, GYRO, LEVER, LEVER_UP, SCALE, SLIP_RIGHT, SLIP_UP
 
 SCALAR_NAMES = {
     "gyro_bias_x": GYRO.start,
@@ -25,6 +26,7 @@ SCALAR_NAMES = {
     "slip_up": SLIP_UP,
     "slip_right": SLIP_RIGHT,
     "lever": LEVER,
+    "lever_up": LEVER_UP,
     "axles": AXLES,
     "clock_offset": CLOCK,
 }
@@ -98,20 +100,24 @@ def at_rings(problem: Problem, solution: Solution) -> dict[str, np.ndarray]:
     """Return values and covariances at every ring, before what is not observable is taken out."""
     state, found = solution.state, solution.covariance
     places = problem.places(problem.rings.distance, float(state.scalars[CLOCK]))
-    value, slopes = evaluate(
-        1,
-        places.interval,
-        state.knots,
-        state.scalars,
-        places.share,
-        places.step,
-        places.tracks(),
-        places.clock,
-        np.asarray(places.lever, float),
-        np.arange(WIDTH),
-        DERIVATIVE_STEPS,
-    )
-    spread = _sandwich(places.interval, slopes, found.diagonal, found.beside, found.border, found.corner)
+    value, spread = np.empty((len(places.share), OUT)), np.empty((len(places.share), OUT, OUT))
+    for first in range(0, len(value), WINDOW):
+        rows = slice(first, first + WINDOW)
+        at = places.rows(rows)
+        value[rows], slopes = evaluate(
+            1,
+            at.interval,
+            state.knots,
+            state.scalars,
+            at.share,
+            at.step,
+            at.tracks(),
+            at.clock,
+            np.asarray(at.lever, float),
+            np.arange(WIDTH),
+            DERIVATIVE_STEPS,
+        )
+        spread[rows] = _sandwich(at.interval, slopes, found.diagonal, found.beside, found.border, found.corner)
     share = np.clip(places.share, 0.0, 1.0)
     before, after = places.interval, places.interval + 1
     way = np.linalg.norm(np.diff(state.axis, axis=0), axis=1)

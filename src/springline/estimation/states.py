@@ -35,17 +35,19 @@ SLIP_UP, SLIP_RIGHT = 7, 8
 """Travel direction against the forward axis [rad], towards the robot's y and z."""
 LEVER = 9
 """How far the sensor stands ahead of the point that moves along the travel direction, beyond its stated place [m]."""
-AXLES = 10
+LEVER_UP = 10
+"""How far it stands above that point, beyond its stated place [m]: a body that rolls turns about its wheels."""
+AXLES = 11
 """Area by which the change of turning moves that point across [m2]: wheelbase^2/12 when both axles follow the wall."""
-CLOCK = 11
+CLOCK = 12
 """What the inertial unit's clock shows too much against the rings' clock [s]."""
-ORIGIN = slice(12, 15)
+ORIGIN = slice(13, 16)
 """Point of the axis at the first knot, east, north, up in the working frame [m]."""
-SCALARS = 15
+SCALARS = 16
 
 STEPS = np.full(BLOCK, 1e-6)
 """Steps of the numerical derivatives by each state of a knot."""
-SCALAR_STEPS = np.array([1e-7] * 3 + [1e-4] * 3 + [1e-6] * 4 + [1e-6, 1e-4] + [1e-6] * 3)
+SCALAR_STEPS = np.array([1e-7] * 3 + [1e-4] * 3 + [1e-6] * 6 + [1e-4] + [1e-6] * 3)
 """The same for the scalars."""
 
 

@@ -7,7 +7,7 @@ from springline.errors import InputError
 from springline.estimation.solver import Normal, Threads, solve
 from springline.estimation.states import AXIS, ORIGIN
 
-KNOTS, BLOCK, SCALARS = 6, 5, 16
+KNOTS, BLOCK, SCALARS = 6, 5, 18
 
 
 def problem(rng):

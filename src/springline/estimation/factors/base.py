@@ -51,6 +51,10 @@ class Factor:
         self.tails = self.tails if len(self.tails) == len(self.groups) else self.tails * len(self.groups)
         self.tuned = self.tuned or (False,) * len(self.groups)
 
+    def windows(self) -> list[Factor]:
+        """Return the factor in parts that are small enough to linearise at once."""
+        return [self]
+
     def linearise(self, state: State) -> Linear:
         """Return residuals, derivatives and weights at a state."""
         before, after = state.knots[self.interval], state.knots[self.interval + 1]
@@ -113,10 +117,6 @@ class Linear:
                 # Over-relaxed: what is taken from the data comes to rest in a few steps.
                 change = np.clip((left / free) ** 0.75, 0.1, 10.0)
                 self.factor.scale[k] = np.clip(self.factor.scale[k] * change, 1e-3, 1e3)
-
-    def misfit(self) -> float:
-        """Return the median square of the whitened residual over that of a normal one; 1 when noise is as stated."""
-        return float(np.median(self.residual**2) / 0.4549)
 
 
 def robust_weight(square: np.ndarray, size: int, tail: float) -> np.ndarray:

@@ -5,21 +5,24 @@ from __future__ import annotations
 import numpy as np
 
 from ..rotations import dot, rotate
-from ..states import AXIS, AXLES, CLOCK, DIRECTION, LEVER, OFFSET, SCALE, SLIP_RIGHT, SLIP_UP, TILT
+from ..states import AXIS, AXLES, CLOCK, DIRECTION, LEVER, LEVER_UP, OFFSET, SCALE, SLIP_RIGHT, SLIP_UP, TILT
 from .base import Factor, local_columns
 from .sensor import Places, off_axis, way
 
-COLUMNS = local_columns(AXIS, OFFSET, TILT, DIRECTION, scalars=(SCALE, SLIP_UP, SLIP_RIGHT, LEVER, AXLES, CLOCK))
+COLUMNS = local_columns(
+    AXIS, OFFSET, TILT, DIRECTION, scalars=(SCALE, SLIP_UP, SLIP_RIGHT, LEVER, LEVER_UP, AXLES, CLOCK)
+)
 
 
-def odometry(knots: Places, along: float, across: float, tails: float) -> Factor:
+def odometry(knots: Places, along: float, across: float, tails: float, across_tails: float) -> Factor:
     """Return the factor that closes the sensor's way from knot to knot.
 
     Args:
         knots: The intervals' starts, with the reach over each as `span`.
         along: One-sigma along the way [m].
         across: One-sigma across it, up and to the right [m]; taken from the data from there on.
-        tails: Of Student's t; slips lie along the way, knocks across it.
+        tails: Of Student's t along the way, for slips.
+        across_tails: The same across it, for knocks and for axles that the wall of a bend pushes aside.
     """
 
     def residual(before, after, scalars):
@@ -30,5 +33,5 @@ def odometry(knots: Places, along: float, across: float, tails: float) -> Factor
         return np.stack([robot[0] / along, robot[1] / across, robot[2] / across], axis=1)
 
     return Factor(
-        "odometry", knots.interval, COLUMNS, residual, (slice(0, 1), slice(1, 3)), (tails, tails), (False, True)
+        "odometry", knots.interval, COLUMNS, residual, (slice(0, 1), slice(1, 3)), (tails, across_tails), (False, True)
     )

@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..states import AXLES, BLOCK, CLOCK, LEVER, SCALE, SLIP_RIGHT, SLIP_UP, State
+from ..states import AXLES, BLOCK, CLOCK, LEVER, LEVER_UP, SCALE, SLIP_RIGHT, SLIP_UP, State
 from .base import DERIVATIVE_STEPS, Factor, Linear, robust_weight
 from .sensor import Places, evaluate
 
 COLUMNS = np.concatenate(
-    [np.arange(2 * BLOCK), 2 * BLOCK + np.array([SCALE, SLIP_UP, SLIP_RIGHT, LEVER, AXLES, CLOCK])]
+    [np.arange(2 * BLOCK), 2 * BLOCK + np.array([SCALE, SLIP_UP, SLIP_RIGHT, LEVER, LEVER_UP, AXLES, CLOCK])]
 )
+WINDOW = 4096
+"""Rings that are linearised at once."""
 
 
 class RingFactor(Factor):
@@ -26,9 +28,16 @@ class RingFactor(Factor):
             bent: What a bend adds to the ellipse of the straight pipe [m] (n, 5).
         """
         super().__init__("rings", places.interval, COLUMNS, None, (slice(0, 5),))
-        self._places, self._tracks = places, places.tracks()
-        self._wanted = measured - bent
-        self._whitener = np.linalg.inv(np.linalg.cholesky(covariance))
+        self._places, self._measured, self._covariance, self._bent = places, measured, covariance, bent
+
+    def windows(self) -> list[Factor]:
+        """Return the rings in windows: derivatives take two kilobytes a ring, and are held for one window alone."""
+        cuts = range(0, len(self.interval), WINDOW)
+        parts = (slice(first, first + WINDOW) for first in cuts)
+        return [
+            RingFactor(self._places.rows(rows), self._measured[rows], self._covariance[rows], self._bent[rows])
+            for rows in parts
+        ]
 
     def linearise(self, state: State) -> Linear:
         """Return residuals, derivatives and weights at a state."""
@@ -40,12 +49,13 @@ class RingFactor(Factor):
             state.scalars,
             at.share,
             at.step,
-            self._tracks,
+            at.tracks(),
             at.clock,
             np.asarray(at.lever, float),
             COLUMNS,
             DERIVATIVE_STEPS,
         )
-        residual = np.einsum("nij,nj->ni", self._whitener, shown - self._wanted)
+        whitener = np.linalg.inv(np.linalg.cholesky(self._covariance))
+        residual = np.einsum("nij,nj->ni", whitener, shown + self._bent - self._measured)
         weight = robust_weight(np.sum(residual**2, axis=1), 5, 0.0) / self.scale[0] ** 2
-        return Linear(self, residual, self._whitener @ slopes, np.repeat(weight[:, None], 5, axis=1))
+        return Linear(self, residual, whitener @ slopes, np.repeat(weight[:, None], 5, axis=1))

@@ -12,13 +12,13 @@ import numpy as np
 from numba import njit
 
 from ..rotations import pipe_frame, rotate
-from ..states import AXLES, BLOCK, CLOCK, LEVER, OFFSET, SCALE, SLIP_RIGHT, SLIP_UP
+from ..states import AXLES, BLOCK, CLOCK, LEVER, LEVER_UP, OFFSET, SCALE, SLIP_RIGHT, SLIP_UP
 from ..track import REACH
 
 OUTPUTS = 19
 """What `locate` tells: offset y, z; robot x, y, z axes on the pipe's axes; section; way along the axis; direction."""
-POSE = 5
-"""What `pose` makes of it: offset y, z, pitch, yaw, roll."""
+OUT = 13
+"""What `evaluate` tells of a place: offset y, z, pitch, yaw, roll; section; way along the axis; direction."""
 
 
 @dataclass(frozen=True)
@@ -51,7 +51,7 @@ class Places:
     clock: float
     lever: tuple[float, float, float]
 
-    def rows(self, chosen: np.ndarray) -> Places:
+    def rows(self, chosen: np.ndarray | slice) -> Places:
         """Return the chosen places."""
         values = {f.name: getattr(self, f.name) for f in fields(self)}
         return Places(**{k: v[chosen] if isinstance(v, np.ndarray) else v for k, v in values.items()})
@@ -66,7 +66,7 @@ def reach_weights(scalars: np.ndarray, lever: tuple[float, float, float]) -> np.
     """Return the weights (REACH,) by which a reach adds up to a way of the sensor."""
     counted = 1.0 + scalars[SCALE]
     way = [counted, counted * scalars[SLIP_UP], counted * scalars[SLIP_RIGHT]]
-    return np.array([*way, lever[0] + scalars[LEVER], lever[1], lever[2], scalars[AXLES]])
+    return np.array([*way, lever[0] + scalars[LEVER], lever[1] + scalars[LEVER_UP], lever[2], scalars[AXLES]])
 
 
 def off_axis(knots: np.ndarray) -> np.ndarray:
@@ -225,7 +225,8 @@ def pose(found, out):
 def _weights(scalars, lever, out):
     counted = 1.0 + scalars[SCALE]
     out[0], out[1], out[2] = counted, counted * scalars[SLIP_UP], counted * scalars[SLIP_RIGHT]
-    out[3], out[4], out[5], out[6] = lever[0] + scalars[LEVER], lever[1], lever[2], scalars[AXLES]
+    out[3], out[4] = lever[0] + scalars[LEVER], lever[1] + scalars[LEVER_UP]
+    out[5], out[6] = lever[2], scalars[AXLES]
 
 
 @njit(cache=True)
@@ -234,7 +235,7 @@ def evaluate(kind, interval, knots, scalars, share, step, tracks, clock, lever, 
 
     `kind` 0: the ellipse (5); 1: pose (5), section (3), way (3), heading and grade (2).
     """
-    size = 5 if kind == 0 else 13
+    size = 5 if kind == 0 else OUT
     count = len(interval)
     value, slopes = np.empty((count, size)), np.empty((count, size, len(columns)))
     before, after, own = np.empty(BLOCK), np.empty(BLOCK), scalars.copy()
