@@ -178,7 +178,8 @@ def _turned(product: Array, k: Array, start: Array, order: int) -> Array:
 def _shape(contour: ArrayLike, samples: int) -> Array:
     curve = to_complex(resample(orient(contour), samples))
     curve = curve - curve.mean(axis=-1, keepdims=True)
-    return curve / np.linalg.norm(curve, axis=-1, keepdims=True)
+    with np.errstate(invalid="ignore"):  # a contour that is missing, or a single point, has no shape: NaN
+        return curve / np.linalg.norm(curve, axis=-1, keepdims=True)
 
 
 def _rotation(angle: Array) -> Array:
@@ -191,7 +192,8 @@ def _elliptic(curve: Array, harmonics: int) -> Array:
     """Coefficients of the polygon, run at constant speed."""
     steps = np.diff(np.concatenate([curve, curve[..., :1]], axis=-1), axis=-1)
     lengths = np.abs(steps)
-    speed = steps / np.where(lengths == 0, 1.0, lengths)
+    with np.errstate(invalid="ignore"):  # a missing point leaves all coefficients NaN
+        speed = steps / np.where(lengths == 0, 1.0, lengths)
     along = np.concatenate([np.zeros((*curve.shape[:-1], 1)), np.cumsum(lengths, axis=-1)], axis=-1)
     total = along[..., -1:]
     order = np.arange(1, harmonics + 1)[:, None]

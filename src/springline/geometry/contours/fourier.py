@@ -177,4 +177,5 @@ def unit_descriptors(contour: ArrayLike, most: int, count: int) -> Complex:
     coefficients = dft(to_complex(resample(orient(contour), count)))
     wanted = coefficients[..., np.r_[-most:0, 1 : most + 1]]
     norm = np.linalg.norm(wanted, axis=-1, keepdims=True)
-    return wanted / np.where(norm > 0, norm, np.nan)
+    with np.errstate(invalid="ignore"):  # a missing point leaves all of them NaN
+        return wanted / np.where(norm > 0, norm, np.nan)

@@ -35,7 +35,7 @@ class _Model(NamedTuple):
 
 
 _MODELS = {
-    "equidistant": _Model(lambda z: z, lambda q: q, np.ones_like, np.pi, True),
+    "equidistant": _Model(lambda z: z, lambda q: q, lambda z: 1.0 + 0.0 * z, np.pi, True),
     "sine": _Model(np.sin, np.arcsin, np.cos, np.pi / 2, True),
     "equisolid": _Model(lambda z: np.sin(z / 2), lambda q: 2 * np.arcsin(q), lambda z: np.cos(z / 2) / 2, np.pi, True),
     "perspective": _Model(np.tan, np.arctan, lambda z: 1 / np.cos(z) ** 2, np.pi / 2, False),

@@ -43,10 +43,13 @@ def polynomial_limit(coefficients: Sequence[float]) -> float:
     (1.0, 3.141593)
     """
     odd = np.concatenate([[1.0], _coefficients(coefficients)])
-    slope = odd * (2.0 * np.arange(len(odd)) + 1.0)
-    roots = np.roots(slope[::-1])  # in the square of the zenith
+    order = np.arange(len(odd))
+    # in the square of zenith / pi, at most 1 inside the range: terms below its rounding would spoil the roots
+    slope = odd * (2.0 * order + 1.0) * np.pi ** (2 * order)
+    slope = np.where(np.abs(slope) > 1e-15 * np.abs(slope).max(), slope, 0.0)
+    roots = np.roots(slope[::-1])
     real = roots.real[(np.abs(roots.imag) <= 1e-9 * np.abs(roots)) & (roots.real > 0)]
-    return float(min(np.pi, np.sqrt(real.min()) if real.size else np.pi))
+    return float(np.pi * np.sqrt(min(1.0, real.min()))) if real.size else np.pi
 
 
 def polynomial_radius(zenith: ArrayLike, k: ArrayLike, coefficients: Sequence[float]) -> Array:
