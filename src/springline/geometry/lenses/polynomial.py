@@ -106,26 +106,36 @@ def polynomial_zenith(radius: ArrayLike, k: ArrayLike, coefficients: Sequence[fl
     array([0.5, nan])
     """
     odd, limit = _coefficients(coefficients), polynomial_limit(coefficients)
-    target = finite("radius", radius) / positive("k", k, "give the lens scale in pixels")
+    target = np.asarray(finite("radius", radius) / positive("k", k, "give the lens scale in pixels"))
     knots = np.linspace(0.0, limit, _CELLS + 1)
     heights = np.maximum.accumulate(knots * _factor(knots**2, odd))
     inside = (target >= 0) & (target <= heights[-1] * (1.0 + ROUNDING))
-    wanted = np.where(inside, np.minimum(target, heights[-1]), 0.0)
+    found = np.full(target.shape, np.nan)
+    found[inside] = _root(np.minimum(target[inside], heights[-1]), odd, knots, heights)
+    return found
+
+
+def _root(wanted: Array, odd: Array, knots: Array, heights: Array) -> Array:
+    """Zeniths of the reduced radii `wanted` (n,), each between two of the knots."""
     cell = np.clip(np.searchsorted(heights, wanted, side="right") - 1, 0, _CELLS - 1)
     low, high = knots[cell], knots[cell + 1]
     zenith = (low + high) / 2.0
     slopes = odd * (2 * np.arange(len(odd)) + 3)
+    left = np.arange(len(wanted))
     for _ in range(_ROUNDS):
-        excess = zenith * _factor(zenith**2, odd) - wanted
-        low, high = np.where(excess < 0, zenith, low), np.where(excess > 0, zenith, high)
+        at = zenith[left]
+        excess = at * _factor(at**2, odd) - wanted[left]
+        low[left], high[left] = np.where(excess < 0, at, low[left]), np.where(excess > 0, at, high[left])
         with np.errstate(divide="ignore", invalid="ignore"):
-            step = zenith - excess / _factor(zenith**2, slopes)
+            step = at - excess / _factor(at**2, slopes)
         # near the end of the range the slope vanishes and Newton leaves the bracket
-        moved = np.where(excess == 0, zenith, np.where((step > low) & (step < high), step, (low + high) / 2.0))
-        if np.all(np.abs(moved - zenith) <= 2e-16 * np.pi):
+        within = (step >= low[left]) & (step <= high[left])
+        moved = np.where(excess == 0, at, np.where(within, step, (low[left] + high[left]) / 2.0))
+        zenith[left] = moved
+        left = left[np.abs(moved - at) > ROUNDING]
+        if not len(left):
             break
-        zenith = moved
-    return np.where(inside, zenith, np.nan)
+    return zenith
 
 
 def _factor(square: Array, odd: Array) -> Array:
