@@ -100,7 +100,7 @@ def _write_groups(survey: Survey, store: Path) -> None:
 
     xr.Dataset(attrs={**survey.attrs, "chunks": "all"}).to_zarr(store, mode="w", consolidated=False, zarr_format=3)
     for name in survey.groups:
-        data = _described(name, survey.group(name))
+        data = _ticked(_described(name, survey.group(name)))
         data.to_zarr(
             store,
             group=name,
@@ -152,8 +152,6 @@ def _encoding(data: xr.Dataset, *, result: bool) -> dict[str, dict[str, Any]]:
                 )
         if result and array.dtype == np.float64 and name not in _POSITIONS:
             one["dtype"] = "float32"
-        if name == "range":
-            one |= _ticks(array, float(data.attrs.get("range_noise", np.nan)), float(data.attrs.get("range_max", 0.0)))
         encoding[str(name)] = one
     return encoding
 
@@ -162,21 +160,35 @@ def _rows_per_chunk(array: xr.Variable) -> int:
     return _RING_CHUNK if array.ndim > 1 else 65536
 
 
-def _ticks(array: xr.Variable, noise: float, reach: float) -> dict[str, Any]:
-    """Return the scaled-integer encoding: int16 where the longest range fits, int32 otherwise."""
+def _ticked(data: xr.Dataset) -> xr.Dataset:
+    """Return the data with ranges as scaled integers, made block by block: at once they would fill memory thrice."""
+    if "range" not in data:
+        return data
+    array = data["range"].variable
+    noise, reach = float(data.attrs.get("range_noise", np.nan)), float(data.attrs.get("range_max", 0.0))
+    dtype, tick, fill = _ticks(array, noise, reach)
+    if dtype is None:
+        return data
+    stored = np.empty(array.shape, dtype)
+    for start in range(0, len(stored), _RING_CHUNK):
+        block = array[start : start + _RING_CHUNK].values
+        seen = np.isfinite(block)
+        stored[start : start + _RING_CHUNK] = np.where(seen, np.rint(np.where(seen, block, 0.0) / tick), fill)
+    return data.assign(range=(array.dims, stored, {**array.attrs, "scale_factor": tick, "_FillValue": fill}))
+
+
+def _ticks(array: xr.Variable, noise: float, reach: float) -> tuple[str | None, float, int]:
+    """Return type, tick [m] and fill value: int16 where the longest range fits, int32 otherwise, None beyond that."""
     tick = min(_DEFAULT_TICK, noise / 10) if noise > 0 else _DEFAULT_TICK
-    longest = max(
-        (float(np.nanmax(np.abs(block), initial=0.0)) for block in _blocks(array)),
-        default=0.0,
-    )
+    longest = max((float(np.nanmax(np.abs(block), initial=0.0)) for block in _blocks(array)), default=0.0)
     longest = max(longest, reach)
     if longest / tick < -_FILL - 1:
-        return {"dtype": "int16", "scale_factor": np.float32(tick), "_FillValue": _FILL}
-    if noise > 0 and longest / (noise / 10) < 2**15 - 2:
-        return {"dtype": "int16", "scale_factor": np.float32(noise / 10), "_FillValue": _FILL}
+        return "int16", float(np.float32(tick)), _FILL
+    if noise > 0 and longest / (noise / 10) < -_FILL - 1:
+        return "int16", float(np.float32(noise / 10)), _FILL
     if longest / tick < 2**31 - 2:
-        return {"dtype": "int32", "scale_factor": tick, "_FillValue": -(2**31)}
-    return {}
+        return "int32", tick, -(2**31)
+    return None, 0.0, 0
 
 
 def _blocks(array: xr.Variable) -> Iterator[np.ndarray]:
