@@ -119,7 +119,8 @@ def _root(wanted: Array, odd: Array, knots: Array, heights: Array) -> Array:
     """Zeniths of the reduced radii `wanted` (n,), each between two of the knots."""
     cell = np.clip(np.searchsorted(heights, wanted, side="right") - 1, 0, _CELLS - 1)
     low, high = knots[cell], knots[cell + 1]
-    zenith = (low + high) / 2.0
+    rise = heights[cell + 1] - heights[cell]
+    zenith = low + (high - low) * (wanted - heights[cell]) / np.where(rise > 0, rise, 1.0)
     slopes = odd * (2 * np.arange(len(odd)) + 3)
     left = np.arange(len(wanted))
     for _ in range(_ROUNDS):
