@@ -3,13 +3,14 @@
 #   make test    set up and run every test
 #   make lint    style, types of import, direction of dependencies
 #   make bench   speed beside the peers, in one run
+#   make bench-pose   accuracy of the joint estimate beside its baselines
 
 PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
 PIP := $(BIN)/python -m pip install --quiet --disable-pip-version-check
 
-.PHONY: demo test lint bench format clean
+.PHONY: demo test lint bench bench-pose format clean
 
 $(VENV)/.run: requirements.lock pyproject.toml
 	$(PYTHON) -m venv $(VENV)
@@ -38,6 +39,9 @@ format: $(VENV)/.dev
 
 bench: $(VENV)/.dev
 	$(BIN)/python -m bench
+
+bench-pose: $(VENV)/.dev
+	$(BIN)/python -m bench pose
 
 clean:
 	rm -rf $(VENV) demo-report .pytest_cache .ruff_cache .import_linter_cache
