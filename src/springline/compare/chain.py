@@ -103,7 +103,8 @@ def forward(u, shared, y, ratio, extent, sigma, walk, slip_rate, slip_scale, low
         y: (m,) chainages of B, rising.
         ratio: (n, m) weights of the pairs.
         extent: (2,) of B.
-        sigma, walk, slip_rate, slip_scale: As in `MatchOptions`, sigma that of a difference.
+        sigma: (n,) one-sigma of the distance of each feature to its partner in B.
+        walk, slip_rate, slip_scale: As in `MatchOptions`.
         low, step: The grid of drift.
         start: (cells,) weight of each drift at the first feature.
         end: (cells,) weight of each drift at the last.
@@ -123,7 +124,7 @@ def forward(u, shared, y, ratio, extent, sigma, walk, slip_rate, slip_scale, low
         if i > 0:
             transition(p, u[i] - u[i - 1], walk, slip_rate, slip_scale, step, q, jump, kernel)
             p, q = q, p
-        emission(u[i], shared[i], y, ratio[i], extent, sigma, low, step, cells, e)
+        emission(u[i], shared[i], y, ratio[i], extent, sigma[i], low, step, cells, e)
         total = 0.0
         for k in range(cells):
             p[k] *= e[k]
@@ -165,8 +166,8 @@ def smooth(u, alpha, seen, walk, slip_rate, slip_scale, step, end):
 def pair_shares(u, y, ratio, sigma, low, step, gamma, seen, out):
     """Add to `out` (n, m) the posterior of each pair, from smoothed gamma (n, cells) and emissions seen (n, cells)."""
     cells = gamma.shape[1]
-    reach = _REACH * WIDE * sigma
     for i in range(u.size):
+        reach = _REACH * WIDE * sigma[i]
         first = np.searchsorted(y, u[i] + low - reach)
         last = np.searchsorted(y, u[i] + low + (cells - 1) * step + reach)
         for j in range(first, last):
@@ -178,5 +179,5 @@ def pair_shares(u, y, ratio, sigma, low, step, gamma, seen, out):
             share = 0.0
             for k in range(begin, end + 1):
                 if gamma[i, k] > 1e-12:
-                    share += gamma[i, k] * ratio[i, j] * density((k - centre) * step, sigma) / seen[i, k]
+                    share += gamma[i, k] * ratio[i, j] * density((k - centre) * step, sigma[i]) / seen[i, k]
             out[i, j] += share

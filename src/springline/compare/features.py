@@ -15,6 +15,8 @@ if TYPE_CHECKING:
 KINDS = ("joint", "lateral", "bend", "manhole", "defect", "other")
 """Kinds of feature the matcher tells apart; `other` is for what does not fit the rest."""
 
+JOINT = KINDS.index("joint")
+
 
 @dataclass(frozen=True)
 class FeatureList:

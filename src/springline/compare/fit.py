@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from . import chain
-from .features import KINDS
+from .features import JOINT, KINDS
+from .module import laid
 from .weights import likeness, weigh
 
 if TYPE_CHECKING:
@@ -24,17 +25,27 @@ _SHARED_COUNT = 6.0
 _FINEST_SCALE = 3e-4
 _STARTS = (1.0, 0.4)
 _MOST_CLIMBS = 3
+_LEAST_POWER = 0.05
 _END_REACH = 4.0  # a feature at the very end is B's own also where the noise puts it outside
 
 
 @dataclass(frozen=True)
 class State:
-    """What is unknown besides the drift: odometer scale, noise [m], walk [m per root m], shared fractions (kinds,)."""
+    """What is unknown besides the drift.
+
+    Attributes:
+        scale: Odometer of B over that of A.
+        noise: One-sigma of a feature's chainage in one inspection [m].
+        walk: Drift of one odometer against the other [m per root m].
+        shared: (kinds,) fraction of A's features that B has.
+        tempered: Whether joints count for no more than their own spacing lets them tell one from the next.
+    """
 
     scale: float
     noise: float
     walk: float
     shared: np.ndarray
+    tempered: bool = False
 
 
 @dataclass(frozen=True)
@@ -72,14 +83,15 @@ class Sense:
     """A and B driven one way: evidence of any state, and the state that fits best.
 
     Args:
-        a: Features of A.
+        a: Features of A; those of the sense are joined by its unseen joints.
         b: Features of B, mirrored already when that is the sense looked at.
         options: Priors.
     """
 
     def __init__(self, a: FeatureList, b: FeatureList, options: MatchOptions) -> None:
-        self.a, self.b, self.options = a, b, options
-        self.like = likeness(a, b, options)
+        self.laid = laid(a)
+        self.a, self.b, self.options = self.laid.features, b, options
+        self.like = likeness(self.a, b, options)
         self.extent = np.array(b.extent)
         self._weighed: tuple[bytes, Weights] | None = None
         longest = max(a.length, b.length)
@@ -112,12 +124,27 @@ class Sense:
         norm = np.log(np.pi * self.options.offset_scale / grid.step)
         return np.exp(begin - tops[0]), np.exp(finish - tops[1]), float(sum(tops)) - norm
 
+    def _sigma(self, state: State, grid: Grid) -> np.ndarray:
+        """Return (n,) one-sigma of the distance of each feature to its partner [m].
+
+        The distance of a joint to its partner's neighbour scatters by `spacing` >= sqrt(2) noise. Setting its square in
+        the ratio of both likelihoods to the power t, the mean of that ratio's inverse is 1, as it must be for
+        probabilities to come true, at t = 1 - 2 noise^2 / spacing^2.
+        """
+        plain = np.hypot(np.sqrt(2.0) * state.noise, 0.3 * grid.step)
+        sigma = np.full(len(self.a), plain)
+        spacing = self.laid.spacing
+        if state.tempered and np.isfinite(spacing):
+            power = max(1.0 - 2.0 * state.noise**2 / max(spacing**2, 1e-12), _LEAST_POWER)
+            sigma[self.a.kind == JOINT] = plain / np.sqrt(power)
+        return np.sqrt(sigma**2 + self.laid.variance)
+
     def _forward(self, state: State, grid: Grid, keep: bool) -> tuple:
         u = self.scaled(state.scale)
         weights = self._weights(state.shared)
         o = self.options
-        sigma = float(np.hypot(np.sqrt(2.0) * state.noise, 0.3 * grid.step))
-        start, end, top = self._ends(weights, u, grid, _END_REACH * sigma)
+        sigma = self._sigma(state, grid)
+        start, end, top = self._ends(weights, u, grid, _END_REACH * float(sigma.min()))
         motion = (state.walk, o.slip_rate, o.slip_scale)
         found, alpha, seen = chain.forward(
             u, weights.shared, self.b.chainage, weights.pairs, self.extent, sigma, *motion, grid.low, grid.step,
@@ -239,6 +266,7 @@ class Sense:
         scales = np.concatenate((near, rest))
         width = np.where(np.arange(scales.size) < near.size, 0.5 * step, step)
         log_prior = np.log(width / (np.sqrt(2 * np.pi) * self.options.scale_sigma))
+        state = replace(state, tempered=True)
         return Fit(state, scales, self.over(scales, state) + log_prior)
 
 

@@ -7,8 +7,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from .rival import joint_module
-
 if TYPE_CHECKING:
     from .fit import Fit, Passes, Sense
 
@@ -47,8 +45,9 @@ def place(sense: Sense, fit: Fit) -> Placed:
         shares += weight * passes.shares
         modes.append(_mode(passes, half))
     y, sigma, probability = _mix(np.array(modes), weights, half)
-    index_a, index_b, share = _choose(shares, sense.options.accept_pair)
-    residual = sense.b.chainage[index_b] - y[index_a]
+    index, index_b, share = _choose(shares, sense.laid.seen, sense.options.accept_pair)
+    residual = sense.b.chainage[index_b] - y[index]
+    index_a = (np.cumsum(sense.laid.seen) - 1)[index]
     x, keep = np.unique(sense.a.chainage, return_index=True)
     o = sense.options
     spread = fit.state.walk**2 + 2.0 * o.slip_rate * o.slip_scale**2
@@ -57,7 +56,7 @@ def place(sense: Sense, fit: Fit) -> Placed:
 
 def _half_mode(sense: Sense) -> float:
     """Return how far from its top a place reaches [m]: less than half a joint's length, where there are joints."""
-    module, _ = joint_module(sense.a)
+    module = sense.laid.module
     return min(_HALF_MODE, _HALF_MODULE * module) if np.isfinite(module) and module > 0 else _HALF_MODE
 
 
@@ -90,10 +89,10 @@ def _mix(modes: np.ndarray, weights: np.ndarray, half: float) -> tuple[np.ndarra
     return mean, np.sqrt(spread), np.minimum(total, 1.0)
 
 
-def _choose(shares: np.ndarray, least: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Return the pairs (k,), (k,) and their probability (k,): every feature of A and of B at most once."""
+def _choose(shares: np.ndarray, seen: np.ndarray, least: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return the pairs (k,), (k,) and their probability (k,): every seen feature of A and every one of B at most once."""
     shares = shares / np.maximum(shares.sum(axis=0, keepdims=True), 1.0)
-    i, j = np.nonzero(shares >= least)
+    i, j = np.nonzero((shares >= least) & seen[:, None])
     order = np.argsort(shares[i, j], kind="stable")[::-1]
     used_a, used_b, kept = set(), set(), []
     for k in order:
