@@ -1,9 +1,12 @@
 """`springline inspect` and `demo`, as a user meets them: results, exit codes, messages, nothing half-written."""
 
+import contextlib
+import io
 import json
 import shutil
 import subprocess
 import sys
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -11,6 +14,7 @@ import pandas as pd
 import pytest
 
 import springline as sl
+from springline.cli import main
 from springline.conventions import STATION_COLUMNS
 from springline.survey import open_survey
 
@@ -27,10 +31,28 @@ FILES = {
 }
 
 
+@dataclass
+class Done:
+    returncode: int
+    stdout: str
+    stderr: str
+
+
 def run(*words, cwd=None):
-    return subprocess.run(
-        [sys.executable, "-m", "springline", *map(str, words)], capture_output=True, text=True, cwd=cwd, check=False
-    )
+    """Run the command line in this process, as `springline WORDS`."""
+    out, err, code = io.StringIO(), io.StringIO(), 0
+    with (
+        contextlib.redirect_stdout(out),
+        contextlib.redirect_stderr(err),
+        contextlib.chdir(cwd or "."),
+        pytest.MonkeyPatch.context() as patch,
+    ):
+        patch.setattr(sys, "argv", ["springline", *map(str, words)])
+        try:
+            main()
+        except SystemExit as stop:
+            code = stop.code or 0
+    return Done(code, out.getvalue(), err.getvalue())
 
 
 def rings_csv(path, radius_mm=150.0, rings=40, header_unit="_mm", spoil=None):
@@ -49,7 +71,8 @@ def rings_csv(path, radius_mm=150.0, rings=40, header_unit="_mm", spoil=None):
 @pytest.fixture(scope="module")
 def demo(tmp_path_factory):
     out = tmp_path_factory.mktemp("demo") / "report"
-    done = run("demo", "-o", out)
+    words = [sys.executable, "-m", "springline", "demo", "-o", str(out)]
+    done = subprocess.run(words, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
     return out, done
 

@@ -205,11 +205,14 @@ def _assess(
     """Return what is known of what was found: values, covariance, observable, misfit, roots, status."""
     from scipy.special import chdtri
 
-    values = found.values
+    # A search that ran off to nowhere leaves nothing to differentiate: no solution.
     derivative = search.sensitivity(problem, found)
+    ended = np.isfinite(found.values).all(axis=-1) & np.isfinite(derivative).all(axis=(-2, -1))
+    values = np.where(ended[..., None], found.values, np.nan)
+    derivative = np.where(ended[..., None, None], derivative, 0.0)
     names = [0, 1, 2, 3, 4] if problem.unknown_roll else [0, 1, 3, 4]
     _, singular, rows = np.linalg.svd(derivative[..., names], full_matrices=False)
-    weak = singular < 1e-7 * singular[..., :1]
+    weak = singular <= 1e-7 * singular[..., :1]
     with np.errstate(divide="ignore"):
         inverse = np.where(weak, 0.0, 1.0 / singular)
     cofactor = np.einsum("...ki,...k,...kj->...ij", rows, inverse**2, rows)
