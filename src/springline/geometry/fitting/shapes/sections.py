@@ -11,11 +11,10 @@ import numpy as np
 from springline.errors import ParameterError
 
 from .. import _batch
-from .._judge import COLLINEAR, TOO_FEW
-from ..circles import fit_circles_to_ranges
-from ..ellipses import fit_ellipses_to_ranges
+from .._judge import TOO_FEW
 from ..options import FEWEST_SEARCHED, NOISE_MODELS, resolve
 from . import finish, kernels
+from .arguments import places, spread
 from .models import model_of
 from .readings import gathered
 from .results import SectionFits
@@ -38,7 +37,6 @@ STARTS = 2
 """Starts that are followed up; the better one is kept."""
 
 _FOLLOWED, _FOLLOW_TOLERANCE = 15, 0.1
-_HOPELESS = (TOO_FEW, COLLINEAR)
 TOLERANCE = {kernels.TUKEY: 1e-3, kernels.PLAIN: 1e-7}
 """Length of the last step in sigmas of the unknowns."""
 
@@ -88,9 +86,10 @@ def fit_section(
             "noise is 'isotropic', whose bias is known for circles and ellipses only", mend="give 'range'"
         )
     (rings, points), take = _batch.ranges_source(ranges, bearings)
-    model, turn = model_of(family), np.array(_spread("turn", turn, (rings,)))
-    weights = None if chosen.weights is None else _spread("weights", chosen.weights, (rings, points))
-    places, status, used = _places(ranges, bearings, options)
+    model, turn = model_of(family), np.array(spread("turn", turn, (rings,)))
+    weights = None if chosen.weights is None else spread("weights", chosen.weights, (rings, points))
+    where, status, used = places(ranges, bearings, options)
+    where = where[..., :3]
     size = 2 + len(model.parameters) + free_turn
     found = _Found.empty(rings, points, size, len(model.limits), keep=chosen.keep_weights)
     found.status[:], found.used[:] = status, used
@@ -99,7 +98,7 @@ def fit_section(
         part = slice(start, start + CHUNK)
         z, y = take(part)
         some = None if weights is None else weights[part]
-        _fit_chunk(model, z, y, some, places[:, part], turn[part], free_turn, chosen, found.part(part))
+        _fit_chunk(model, z, y, some, where[:, part], turn[part], free_turn, chosen, found.part(part))
 
     with ThreadPoolExecutor(chosen.workers or _batch._cores()) as pool:
         list(pool.map(run, range(0, rings, CHUNK)))
@@ -120,15 +119,6 @@ def fit_section(
         at_limit=found.at_limit,
         misfit=found.misfit,
     )
-
-
-def _spread(name: str, values: ArrayLike, shape: tuple[int, ...]) -> Array:
-    try:
-        return np.broadcast_to(np.asarray(values, float), shape)
-    except ValueError:
-        raise ParameterError(
-            f"{name} has shape {np.shape(values)}", expected=f"one that broadcasts to {shape}"
-        ) from None
 
 
 @dataclass
@@ -162,43 +152,20 @@ class _Found:
         return _Found(*(None if x is None else x[part] for x in vars(self).values()))
 
 
-def _places(ranges: ArrayLike, bearings: ArrayLike, options: FitOptions) -> tuple[Array, Array, NDArray[np.int64]]:
-    """Return where each ring lies and how large it is, by two ellipses, and why it is hopeless.
-
-    The least-squares ellipse takes in the whole wall, where a robust one may settle on the crown of an egg; the robust
-    one is not drawn by outliers.
-
-    Returns:
-        (2, ring, 3): centre z, centre y and mean radius [m], the first always there unless the ring is hopeless;
-        (ring,) flags; (ring,) readings.
-    """
-    shared = {key: options[key] for key in ("weights", "workers") if key in options}
-    plain = fit_ellipses_to_ranges(ranges, bearings, method="fitzgibbon", least_arc=0.0, most_scatter=np.inf, **shared)
-    robust = fit_ellipses_to_ranges(ranges, bearings, **shared)
-    place = np.stack([plain.parameters[:, :3], robust.parameters[:, :3]])
-    if not plain.fitted.all():
-        circles = fit_circles_to_ranges(ranges, bearings, method="taubin", least_arc=0.0, most_scatter=np.inf, **shared)
-        place[0] = np.where(plain.fitted[:, None], place[0], circles.parameters)
-        place[0] = np.where(np.isnan(place[0]), place[1], place[0])
-    place[1] = np.where(robust.fitted[:, None], place[1], place[0])
-    hopeless = np.isin(plain.status, _HOPELESS) | np.isnan(place[0]).any(axis=1)
-    return place, np.where(hopeless, np.maximum(plain.status, TOO_FEW), 0), plain.n_used
-
-
 def _fit_chunk(
     model: Model,
     z: Array,
     y: Array,
     weights: Array | None,
-    places: Array,
+    where: Array,
     turn: Array,
     turning: bool,
     options: Resolved,
     found: _Found,
 ) -> None:
     hopeful = found.status == 0
-    places = np.where(hopeful[:, None], places, (0.0, 0.0, 1.0))
-    centre, size = places[0, :, :2], places[0, :, 2]
+    where = np.where(hopeful[:, None], where, (0.0, 0.0, 1.0))
+    centre, size = where[0, :, :2], where[0, :, 2]
     along = options.noise == NOISE_MODELS["range"]
     readings = gathered(z, y, weights, centre, size, along=along)
     solver = Solver(ChainWall(model), readings, turn, turning=turning)
@@ -208,15 +175,15 @@ def _fit_chunk(
     robust = hopeful & (readings.counts >= FEWEST_SEARCHED * solver.size) & options.robust
     for kind, rows in ((kernels.TUKEY, np.flatnonzero(robust)), (kernels.PLAIN, np.flatnonzero(hopeful & ~robust))):
         if rows.size:
-            about = (places - np.append(centre, np.zeros((len(centre), 1)), axis=1)) / size[:, None]
+            about = (where - np.append(centre, np.zeros((len(centre), 1)), axis=1)) / size[:, None]
             start = _follow(model, solver, rows, about, turn)
             converged = solver.run(rows, start, kind, tolerance=TOLERANCE[kind])
             _report(model, solver, rows, kind, converged, centre, size, options, found)
 
 
-def _follow(model: Model, solver: Solver, rows: NDArray[np.int64], places: Array, turn: Array) -> Array:
+def _follow(model: Model, solver: Solver, rows: NDArray[np.int64], where: Array, turn: Array) -> Array:
     """Return the unknowns (R, P) that the nearest starts lead to under a loss that lets no reading go."""
-    starts = ranked_starts(model, solver.readings, places, turn, STARTS)
+    starts = ranked_starts(model, solver.readings, where, turn, STARTS)
     best, least = np.empty((rows.size, solver.size)), np.full(rows.size, np.inf)
     for start in starts:
         unknowns = np.zeros((rows.size, solver.size))
