@@ -8,6 +8,8 @@ import numpy as np
 import xarray as xr
 
 from ..conventions import MASK_REASONS
+from ..errors import InputError
+from ..geometry.axis import pool_sections, sections_about_axis
 from ..geometry.cleaning import flat_at_invert, patches, unlike_neighbours
 from ..geometry.deviation import radial_deviation
 from ..geometry.fitting import fit_ellipses_to_ranges
@@ -15,6 +17,7 @@ from ..survey import add_warning
 
 if TYPE_CHECKING:
     from ..config import CleanConfig, Config
+    from ..geometry.fitting import EllipseFits
     from ..survey import Survey
 
 _BLOCK = 4096
@@ -30,7 +33,8 @@ def clean(survey: Survey, config: Config) -> Survey:
     Judged in this order: no return; out of range of the typical radius; water or sediment lying flat at the invert;
     a lateral (an outward patch that goes on along the pipe); occluded (a patch of returns from something that stands
     between sensor and wall); outlier (a reading that neither the rings nor the bearings about it confirm). Deformed
-    wall is wall and stays.
+    wall is wall and stays. Rings that were cut from a cloud share one axis and are judged against sections that share
+    it, as an arc of one ring may say little of its section.
 
     Args:
         survey: With `/rings`.
@@ -38,7 +42,8 @@ def clean(survey: Survey, config: Config) -> Survey:
     """
     rings = survey.rings
     count, bearings = rings.sizes["ring"], rings["bearing"].values
-    radius = _typical_radius(rings)
+    along = rings["distance"].values if rings.attrs.get("distance_source") == "axis" else None
+    radius = _typical_radius(rings, along)
     spacing = np.median(np.diff(rings["distance"].values)) if count > 1 else 2.0 * radius
     window = int(np.clip(round(2.0 * radius / spacing), 1, 201))
     reason = np.empty((count, len(bearings)), np.uint8)
@@ -46,7 +51,8 @@ def clean(survey: Survey, config: Config) -> Survey:
     for start in range(0, count, _BLOCK):
         low, high = max(start - margin, 0), min(start + _BLOCK + margin, count)
         ranges = rings["range"][low:high].values.astype(float)
-        block = _reasons(ranges, bearings, radius, window, config.clean)
+        place = None if along is None else along[low:high]
+        block = _reasons(ranges, bearings, place, radius, window, config.clean)
         stop = min(start + _BLOCK, count)
         reason[start:stop] = block[start - low : stop - low]
     coverage = (reason == _CODE["used"]).mean(axis=1)
@@ -56,8 +62,10 @@ def clean(survey: Survey, config: Config) -> Survey:
     return _explain(survey.with_group("mask", mask), reason, coverage)
 
 
-def _typical_radius(rings: xr.Dataset) -> float:
+def _typical_radius(rings: xr.Dataset, along: np.ndarray | None) -> float:
     """Return the median radius [m] over rings spread along the survey; of the readings when no ring can be fitted."""
+    if along is not None:
+        return float(np.nanmedian(rings["range"].values))
     rows = np.unique(np.linspace(0, rings.sizes["ring"] - 1, _SAMPLE).astype(int))
     ranges = rings["range"].isel(ring=rows).values
     fits = fit_ellipses_to_ranges(ranges, rings["bearing"].values)
@@ -66,7 +74,14 @@ def _typical_radius(rings: xr.Dataset) -> float:
     return float(np.nanmedian(rings["range"].values))
 
 
-def _reasons(ranges: np.ndarray, bearings: np.ndarray, radius: float, window: int, settings: CleanConfig) -> np.ndarray:
+def _reasons(
+    ranges: np.ndarray,
+    bearings: np.ndarray,
+    along: np.ndarray | None,
+    radius: float,
+    window: int,
+    settings: CleanConfig,
+) -> np.ndarray:
     reason = np.zeros(ranges.shape, np.uint8)
     reason[~np.isfinite(ranges)] = _CODE["no_return"]
     low, high = settings.range_limits
@@ -74,11 +89,11 @@ def _reasons(ranges: np.ndarray, bearings: np.ndarray, radius: float, window: in
         reason[(ranges < low * radius) | (ranges > high * radius)] = _CODE["out_of_range"]
     seen = np.where(reason == 0, ranges, np.nan)
     if settings.water == "auto":
-        z, y, deviation, noise = _about_section(seen, bearings)
+        z, y, deviation, noise = _about_section(seen, bearings, along)
         wet = flat_at_invert(z, y, deviation, noise, radius, window=window)
         reason[wet] = _CODE["water"]
         seen[wet] = np.nan
-    _, _, deviation, noise = _about_section(seen, bearings)
+    _, _, deviation, noise = _about_section(seen, bearings, along)
     across = max(3, round(len(bearings) * 0.02))
     with np.errstate(invalid="ignore"):
         outward = (deviation > _OPENING * radius) | (ranges > high * radius)
@@ -92,12 +107,21 @@ def _reasons(ranges: np.ndarray, bearings: np.ndarray, radius: float, window: in
     return reason
 
 
-def _about_section(ranges: np.ndarray, bearings: np.ndarray) -> tuple[np.ndarray, ...]:
+def _about_section(ranges: np.ndarray, bearings: np.ndarray, along: np.ndarray | None) -> tuple[np.ndarray, ...]:
     """Return the readings about their ring's section: z, y, radial deviation [m], and the noise of each ring."""
-    fits = fit_ellipses_to_ranges(ranges, bearings)
+    fits = _shared(ranges, bearings, along) if along is not None else None
+    fits = fits or fit_ellipses_to_ranges(ranges, bearings)
     z = ranges * np.cos(bearings) - fits.centre_z[:, None]
     y = ranges * np.sin(bearings) - fits.centre_y[:, None]
     return z, y, radial_deviation(ranges, bearings, fits.parameters), fits.noise_sigma
+
+
+def _shared(ranges: np.ndarray, bearings: np.ndarray, along: np.ndarray) -> EllipseFits | None:
+    """Return sections that share the rings' axis; None when too little was seen for it."""
+    try:
+        return sections_about_axis(ranges, bearings, along, pool_sections(ranges, bearings, along))
+    except InputError:
+        return None
 
 
 def _explain(survey: Survey, reason: np.ndarray, coverage: np.ndarray) -> Survey:

@@ -9,11 +9,10 @@ from springline.geometry.axis.centreline import Centreline, Placed
 from springline.geometry.axis.locate import Located, locate_pipe
 from springline.geometry.axis.mean import mean_over_stations
 from springline.geometry.axis.pooled import PooledSection, pool_sections
-from springline.geometry.axis.sections import AxisSections, sections_about_axis
+from springline.geometry.axis.sections import sections_about_axis
 from springline.geometry.axis.stations import Stations
 
 __all__ = [
-    "AxisSections",
     "Centreline",
     "Located",
     "Placed",

@@ -1,4 +1,4 @@
-"""How well a cylinder explains the points about it: the scoring kernel of the search."""
+"""How well a cylinder explains the points about it, and which way it should go: the kernels of the search."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ def support(points, centres, directions, radii, window, tolerance, least_arc, sc
         seen[:] = 0
         near[:] = 0
         ax, ay, az = directions[h, 0], directions[h, 1], directions[h, 2]
-        ux, uy, uz, vx, vy, vz = _across(ax, ay, az)
+        ux, uy, uz, vx, vy, vz = across(ax, ay, az)
         r = radii[h]
         for i in range(points.shape[0]):
             dx = points[i, 0] - centres[h, 0]
@@ -77,7 +77,58 @@ def support(points, centres, directions, radii, window, tolerance, least_arc, sc
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def _across(ax, ay, az):
+def gather(points, centre, direction, radius, window, gate, normal, target):
+    """Fill the normal equations of a cylinder's step: radius, shift and tilt along two directions across the axis.
+
+    Args:
+        points: (point, 3).
+        centre: (3,) a point on the axis, in the middle of the stretch that counts.
+        direction: (3,) unit vector.
+        radius: The cylinder's.
+        window: Half length of the stretch, in radii.
+        gate: Points further from the wall than this, in radii, do not count.
+        normal: (5, 5) filled; in units of the radius.
+        target: (5,) filled.
+
+    Returns:
+        How many points count.
+    """
+    ax, ay, az = direction
+    ux, uy, uz, vx, vy, vz = across(ax, ay, az)
+    normal[:] = 0.0
+    target[:] = 0.0
+    row = np.empty(5)
+    row[0] = 1.0
+    count = 0
+    for i in range(points.shape[0]):
+        dx = (points[i, 0] - centre[0]) / radius
+        dy = (points[i, 1] - centre[1]) / radius
+        dz = (points[i, 2] - centre[2]) / radius
+        along = dx * ax + dy * ay + dz * az
+        if abs(along) >= window:
+            continue
+        p = dx * ux + dy * uy + dz * uz
+        q = dx * vx + dy * vy + dz * vz
+        rho = sqrt(p * p + q * q)
+        misfit = rho - 1.0
+        if abs(misfit) >= gate or rho == 0.0:
+            continue
+        count += 1
+        weight = (1.0 - (misfit / gate) ** 2) ** 2
+        row[1], row[2] = p / rho, q / rho
+        row[3], row[4] = along * row[1], along * row[2]
+        for j in range(5):
+            target[j] += weight * row[j] * misfit
+            for k in range(j + 1):
+                normal[j, k] += weight * row[j] * row[k]
+    for j in range(5):
+        for k in range(j):
+            normal[k, j] = normal[j, k]
+    return count
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def across(ax, ay, az):
     """Return two unit vectors at right angles to a unit vector and to each other."""
     if abs(ax) <= abs(ay) and abs(ax) <= abs(az):
         ux, uy, uz = 0.0, az, -ay

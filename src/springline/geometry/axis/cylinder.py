@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from springline.geometry.axis._support import across, gather
+
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
@@ -31,19 +33,6 @@ class Cylinder:
     radius: float
 
 
-def across(direction: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Return two unit vectors u, v at right angles to a unit vector, so that (direction, u, v) is right-handed.
-
-    >>> u, v = across(np.array([1.0, 0.0, 0.0]))
-    >>> np.cross(u, v) + 0.0
-    array([1., 0., 0.])
-    """
-    helper = np.eye(3)[int(np.argmin(np.abs(direction)))]
-    u = np.cross(direction, helper)
-    u /= np.linalg.norm(u)
-    return u, np.cross(direction, u)
-
-
 def refine(points: NDArray[np.float64], start: Cylinder, *, window: float = WINDOW, steps: int = 4) -> Cylinder | None:
     """Return the cylinder that fits the points near `start` best, or None when it runs away.
 
@@ -56,33 +45,23 @@ def refine(points: NDArray[np.float64], start: Cylinder, *, window: float = WIND
         window: Half length of the stretch that counts, in radii.
         steps: Gauss-Newton steps per gate.
     """
-    point, direction, radius = start.point, start.direction, start.radius
+    point, direction, radius = start.point, start.direction, float(start.radius)
+    points = np.ascontiguousarray(points, dtype=np.float64)
+    normal, target = np.empty((5, 5)), np.empty(5)
     for gate in _GATES:
         for _ in range(steps):
-            u, v = across(direction)
-            offset = points - point
-            along = offset @ direction
-            p, q = offset @ u, offset @ v
-            rho = np.hypot(p, q)
-            near = (np.abs(along) < window * radius) & (np.abs(rho - radius) < gate * radius) & (rho > 0)
-            if near.sum() < 12:
+            if gather(points, point, direction, radius, window, gate, normal, target) < 12:
                 return None
-            along, p, q, rho = along[near] / radius, p[near], q[near], rho[near]
-            misfit = rho - radius
-            weight = (1.0 - (misfit / (gate * radius)) ** 2) ** 2
-            cos, sin = p / rho, q / rho
-            model = np.column_stack([np.ones_like(cos), cos, sin, along * cos, along * sin])
-            normal = (model * weight[:, None]).T @ model
             # The slightest damping keeps arcs that do not fix the centre from blowing up.
             normal[np.diag_indices(5)] += 1e-6 * np.trace(normal)
-            step = np.linalg.solve(normal, (model * weight[:, None]).T @ misfit)
-            if not np.all(np.isfinite(step)) or np.abs(step).max() > radius:
+            step = np.linalg.solve(normal, target)
+            if not np.all(np.isfinite(step)) or np.abs(step).max() > 1.0:
                 return None
-            tilt = (step[3] * u + step[4] * v) / radius
-            point = point + step[1] * u + step[2] * v
-            direction = direction + tilt
+            u, v = np.array(across(*direction)).reshape(2, 3)
+            point = point + radius * (step[1] * u + step[2] * v)
+            direction = direction + step[3] * u + step[4] * v
             direction = direction / np.linalg.norm(direction)
-            radius = float(radius + step[0])
+            radius = float(radius * (1.0 + step[0]))
             if not 0.2 * start.radius < radius < 5.0 * start.radius:
                 return None
     return Cylinder(point, direction, radius)

@@ -8,10 +8,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from springline.errors import InputError
-from springline.geometry.axis.centreline import Centreline, Placed
-from springline.geometry.axis.cylinder import WINDOW
+from springline.geometry.axis.centreline import Centreline
+from springline.geometry.axis.cylinder import WINDOW, Cylinder
 from springline.geometry.axis.pooled import PooledSection, pool_sections
-from springline.geometry.axis.search import Found, find_cylinder, thin
+from springline.geometry.axis.search import Found, find_cylinder, judge, side_walls, thin
+from springline.geometry.axis.settle import Settled, lost, settle_curve, settle_straight
 from springline.geometry.axis.stations import Stations, cut_stations, longest_stretch, shows_wall, trusted
 from springline.geometry.axis.trace import smooth, trace
 
@@ -21,16 +22,20 @@ if TYPE_CHECKING:
 PIPE_SHARE = 0.45
 """Share of wall among what is seen below which a cloud is not taken for a pipe. The best cylinder in a square duct
 reaches 0.42, in a room or a sphere 0.3; the poorest pipe that was scanned well reaches 0.77."""
+_WORTH_TRYING = 0.4
+_SIDE_WALLS = 0.25
+"""Share of side walls above which a doubtful cylinder is not a pipe: a duct has 0.5, the noisiest pipe 0.05."""
+_MOST_DOUBT = 0.5
+_LEAST_SHARE, _LEAST_SHARE_IN_DOUBT = 0.5, 0.2
+"""Share of what a station shows that must be wall, in a clear pipe and where it is in doubt what is wall."""
 _TOLERANCE = 0.04
-_SAMPLE = 1_000_000
-_SETTLE = 5
-_COARSE = 0.5
-_LEAST_LENGTH = 0.5
+_SAMPLE, _THINNED = 300_000, 60_000
 _BEND_GAIN = 2.0
-"""A trace longer than the straight stretch by this many radii shows that the pipe bends."""
+"""A trace longer than the straight stretch by this many radii shows that the pipe bends, or that the trace strayed."""
 _CLEARLY = 1.1
-_BOW = 0.02
-"""A straight pipe's middle stays within this of a line, in radii (rms), or within three sigmas."""
+"""A curve must put this many times as many points on the wall as a straight line."""
+_SHORT, _BOW = 8.0, 0.02
+"""A stretch shorter than `_SHORT` radii is straight; a longer one while its middle stays within `_BOW` radii (rms)."""
 
 
 @dataclass(frozen=True)
@@ -88,26 +93,30 @@ def locate_pipe(
     (0.4, True)
     """
     found = _search(points, looking, seed)
-    radius, least = found.cylinder.radius, 0.5 if found.clear else 0.5 * found.share
+    least = _LEAST_SHARE if found.clear else _LEAST_SHARE_IN_DOUBT
     sample = points[:: -(-len(points) // _SAMPLE)]
+    thinned = thin(points, _THINNED, np.random.default_rng(seed))
+    if not found.clear and (sides := side_walls(thinned, found.cylinder, seed=seed)) > _SIDE_WALLS:
+        raise not_a_pipe(f"{100 * sides:.0f} % of the surface about the best axis are side walls of another shape")
     try:
-        line, stretch = _settle_straight(sample, found, least)
-        path = trace(thin(points, 60_000, np.random.default_rng(seed)), found.cylinder)
-        if _bends(path, stretch, line, radius):
-            line = _better(sample, line, _settle_curve(sample, path, radius, least), radius)
-        return _rings(points, _directed(line), found, spacing, bearings, least)
+        settled = settle_straight(sample, found.cylinder, least)
+        path = trace(thinned, found.cylinder)
+        if _bends(path, settled):
+            settled = _better(sample, settled, settle_curve(sample, path, settled.radius, least))
     except InputError:
         if found.clear or not looking:
             raise
-    # Too little is wall to settle anything: the search's own cylinder stands, over the stretch it was judged on.
-    reach = WINDOW * radius * found.cylinder.direction
-    line = Centreline(np.stack([found.cylinder.point - reach, found.cylinder.point + reach]))
-    return _rings(points, _directed(line), found, spacing, bearings, None)
+        # Too little is wall to settle anything: the search's own cylinder stands, over the stretch it was judged on.
+        reach = WINDOW * found.cylinder.radius * found.cylinder.direction
+        line = Centreline(np.stack([found.cylinder.point - reach, found.cylinder.point + reach]))
+        settled, least = Settled(line, found.cylinder.radius, 0.0, line.length), 0.0
+    return _rings(points, thinned, settled, found, spacing, bearings, least)
 
 
 def _search(points: NDArray, looking: bool, seed: int) -> Found:
     found = find_cylinder(points, looking=looking, seed=seed)
-    if looking and (found is None or not found.clear):
+    worth_it = looking or (found is not None and found.share > _WORTH_TRYING)
+    if worth_it and not (found and found.clear):
         found = find_cylinder(points, looking=looking, hard=True, seed=seed) or found
     if found is None:
         raise not_a_pipe("no cylinder passes through its points")
@@ -129,134 +138,69 @@ def not_a_pipe(why: str) -> InputError:
     )
 
 
-def _coarse(points: NDArray, line: Centreline, radius: float, least: float) -> tuple[Placed, float, float]:
-    """Return the points about the line, and where the trusted stretch begins and ends."""
-    placed = line.place(points)
-    wall = np.abs(np.hypot(placed.y, placed.z) / radius - 1.0) < 0.15
-    if wall.sum() < 100:
-        raise not_a_pipe("its wall was lost while following the axis")
-    low, high = np.quantile(placed.along[wall], (0.0005, 0.9995))
-    step = _COARSE * radius
-    number = min(int((high - low) / step) + 2, 20_000)
-    rough = cut_stations(placed, low - 0.5 * step, step, number, 72, 2.0 * radius)
-    good = trusted(rough, radius, least)
-    rows = longest_stretch(good, (rough.count > 0).sum(axis=1), _COARSE)
-    if rows.stop - rows.start < _LEAST_LENGTH / _COARSE:
-        raise not_a_pipe("no stretch of it shows a wall and little else")
-    return placed, float(rough.distance[rows.start] - 0.5 * step), float(rough.distance[rows.stop - 1] + 0.5 * step)
-
-
-def _settle_straight(points: NDArray, found: Found, least: float) -> tuple[Centreline, float]:
-    """Return the straight axis on which the rings' mean section is centred, and the length of the stretch."""
-    cylinder = found.cylinder
-    radius = cylinder.radius
-    line = Centreline(np.stack([cylinder.point, cylinder.point + radius * cylinder.direction]))
-    length = 0.0
-    for _ in range(_SETTLE):
-        placed, low, high = _coarse(points, line, radius, least)
-        length = high - low
-        step = 0.1 * radius
-        stations = cut_stations(placed, low, step, int(length / step), 360, 2.0 * radius)
-        stations = stations[trusted(stations, radius, least)]
-        pooled = pool_sections(stations.ranges, stations.bearings, stations.distance, radius)
-        ends = np.array([low, high])
-        offset = pooled.centre + (ends - pooled.middle)[:, None] * pooled.slope
-        frame = line.frames(np.zeros(1))[0]
-        line = Centreline(line.at(ends) + offset @ frame[1:])
-        if np.abs(offset).max() < 1e-5 * radius:
-            break
-    return line, length
-
-
-def _bends(path: NDArray, stretch: float, line: Centreline, radius: float) -> bool:
+def _bends(path: NDArray, settled: Settled) -> bool:
+    """Whether the traced path goes on beyond the straight stretch, or leaves it."""
+    radius = settled.radius
     run = float(np.linalg.norm(np.diff(path, axis=0), axis=1).sum())
-    if run > stretch + _BEND_GAIN * radius:
+    if run > settled.high - settled.low + _BEND_GAIN * radius:
         return True
-    if run < 8.0 * radius:
+    if run < _SHORT * radius:
         return False
-    placed = line.place(smooth(path, 4.0 * radius))
+    placed = settled.line.place(smooth(path, 4.0 * radius))
     return float(np.sqrt(np.mean(placed.y**2 + placed.z**2))) > _BOW * radius
 
 
-def _settle_curve(points: NDArray, path: NDArray, radius: float, least: float) -> Centreline:
-    """Return the smooth curve through the middles of the rings along a traced path."""
-    line = Centreline(smooth(path, 2.0 * radius))
-    for _ in range(3):
-        placed, low, high = _coarse(points, line, radius, least)
-        step = 0.25 * radius
-        stations = cut_stations(placed, low, step, int((high - low) / step), 120, 2.0 * radius)
-        good = trusted(stations, radius, least)
-        offset = _middles(stations[good], radius)
-        places = line.at(stations.distance[good]) + np.einsum(
-            "ni,nij->nj", offset, line.frames(stations.distance[good])[:, 1:]
-        )
-        line = Centreline(smooth(places, 2.0 * radius))
-    return line
-
-
-def _middles(stations: Stations, radius: float) -> NDArray[np.float64]:
-    """Return the centre (station, 2) y, z of each ring by a robust circle; a ring that sees an arc stays in place."""
-    cos, sin = np.cos(stations.bearings), np.sin(stations.bearings)
-    shape = np.column_stack([np.ones_like(cos), sin, cos])
-    value = np.nan_to_num(stations.ranges, nan=1e9)
-    unknown = np.zeros((len(value), 3))
-    unknown[:, 0] = radius
-    # A weak pull towards the radius and the axis at hand settles what a short arc leaves open.
-    pull = np.diag([4.0, 4.0, 4.0])
-    for gate in (0.2, 0.1, 0.06, 0.06, 0.06):
-        misfit = value - unknown @ shape.T
-        weight = np.clip(1.0 - (misfit / (gate * radius)) ** 2, 0.0, None) ** 2
-        normal = np.einsum("nb,bi,bj->nij", weight, shape, shape) + pull
-        target = np.einsum("nb,bi->ni", weight * value, shape) + pull @ np.array([radius, 0.0, 0.0])
-        unknown = np.linalg.solve(normal, target[:, :, None])[:, :, 0]
-    return unknown[:, 1:]
-
-
-def _directed(line: Centreline) -> Centreline:
-    """Return the line run along the cloud's x at whichever end lies nearer to the origin."""
-    ends = np.linalg.norm(line.nodes[[0, -1]], axis=1)
-    at = np.array([0.0 if ends[0] <= ends[1] else line.length])
-    return line if line.direction(at)[0, 0] >= 0.0 else line.turned()
-
-
-def _better(points: NDArray, straight: Centreline, curved: Centreline, radius: float) -> Centreline:
+def _better(points: NDArray, straight: Settled, curved: Settled) -> Settled:
     """Return the curve when it puts clearly more of the points on the wall, else the straight line."""
 
-    def on_wall(line: Centreline) -> int:
-        placed = line.place(points)
-        inside = (placed.along > -radius) & (placed.along < line.length + radius)
-        return int((inside & (np.abs(np.hypot(placed.y, placed.z) / radius - 1.0) < _TOLERANCE)).sum())
+    def on_wall(settled: Settled) -> int:
+        placed = settled.line.place(points)
+        inside = (placed.along > settled.low) & (placed.along < settled.high)
+        return int((inside & (np.abs(np.hypot(placed.y, placed.z) / settled.radius - 1.0) < _TOLERANCE)).sum())
 
     return curved if on_wall(curved) > _CLEARLY * on_wall(straight) else straight
 
 
 def _rings(
-    points: NDArray, line: Centreline, found: Found, spacing: float | None, bearings: int, least: float | None
+    points: NDArray,
+    thinned: NDArray,
+    settled: Settled,
+    found: Found,
+    spacing: float | None,
+    bearings: int,
+    least: float,
 ) -> Located:
-    radius = found.cylinder.radius
+    radius, line = settled.radius, settled.line
+    low, high = settled.low, settled.high
+    if _runs_back(line):
+        line, low, high = line.turned(), line.length - high, line.length - low
     step = spacing or 0.1 * radius
-    if least is not None:
-        placed, low, high = _coarse(points, line, radius, least)
-    else:
-        placed, low, high = line.place(points), 0.0, line.length
     number = max(1, int((high - low) / step))
-    stations = cut_stations(placed, low, step, number, bearings, 2.0 * radius)
-    good = trusted(stations, radius, least) if least is not None else shows_wall(stations, radius)
+    stations = cut_stations(line.place(points), low, step, number, bearings, 2.0 * radius)
+    good = trusted(stations, radius, least) if least else shows_wall(stations, radius)
     if not good.any():
-        raise not_a_pipe("no stretch of it shows a wall and little else")
+        raise lost()
     rows = longest_stretch(good, np.ones(number), step / radius)
     stations, good = stations[rows], good[rows]
     pooled = pool_sections(stations.ranges[good], stations.bearings, stations.distance[good], radius)
-    return Located(line, stations, good, number - len(good), pooled, found.share, _doubt(found))
+    middle = np.array([0.5 * (low + high)])
+    score, share = judge(thinned, Cylinder(line.at(middle)[0], line.direction(middle)[0], radius))
+    doubt = 0.0 if found.clear else _doubt(share, score, found.spread)
+    return Located(line, stations, good, number - len(good), pooled, share, doubt)
 
 
-def _doubt(found: Found) -> float:
+def _runs_back(line: Centreline) -> bool:
+    """Whether the line runs against the cloud's x at whichever end lies nearer to the origin."""
+    ends = np.linalg.norm(line.nodes[[0, -1]], axis=1)
+    at = np.array([0.0 if ends[0] <= ends[1] else line.length])
+    return bool(line.direction(at)[0, 0] < 0.0)
+
+
+def _doubt(share: float, score: float, spread: float) -> float:
     """Return the relative one-sigma that stands for not knowing which readings are of the wall.
 
     Three ways to be wrong: what is not wall drags the fit by up to the wall's tolerance in proportion to its odds;
     other cylinders may explain the points nearly as well; a few cells of wall agree by chance.
     """
-    if found.clear:
-        return 0.0
-    dragged = _TOLERANCE * (1.0 - found.share) / found.share
-    return float(np.sqrt(dragged**2 + found.spread**2 + 1.0 / max(found.score, 1.0)))
+    dragged = _TOLERANCE * (1.0 - share) / max(share, 0.05)
+    return min(_MOST_DOUBT, float(np.sqrt(dragged**2 + spread**2 + 1.0 / max(score, 1.0))))

@@ -21,15 +21,19 @@ _THINNED = 60_000
 _SAMPLE = 600_000
 _SEEDS, _PAIRS = (3000, 12000), (6, 16)
 """Oriented points and partners of each: of a first search, and of a harder one."""
+_REACH, _FAR = 256, 0.3
+"""Nearest oriented points among which a partner is drawn, and the share of pairs drawn from all."""
 _MOST = 12_000
 """Hypotheses that are scored at most, drawn at random."""
 _NEIGHBOURS = (16, 64, 256)
-_SCREEN = 5000
+_SCREEN = 4000
 """Points on which every hypothesis is scored; the best are scored on all the thinned points."""
 _SHORTLIST, _FINALISTS = (80, 300), (16, 60)
 _LEAST_ARC = 10, 6
 """Sectors of 6 degrees that must show wall, of a first search and of a harder one."""
 _CLEAR_SHARE, _CLEAR_SCORE = 2.0 / 3.0, 100.0
+_FACING, _ALONG = 0.9, 0.35
+"""Cosines that tell a wall that faces the axis, and a surface that runs along it."""
 _COARSE, _FINE = 0.08, 0.04
 """Half thickness of the wall while searching and while judging, in radii."""
 
@@ -42,8 +46,8 @@ class Found:
         cylinder: It.
         score: Cells of wall (0.15 radii by 6 degrees) times `share`, over six radii of its length.
         share: Wall among the cells in which points lie, in [0, 1]: near 1 in a clean pipe.
-        spread: One-sigma of the radius among the cylinders that explain at least half as much, in radii: near 0 when
-            the points leave no choice.
+        spread: One-sigma of the radius's logarithm among the cylinders that explain at least half as much: near 0
+            when the points leave no choice.
     """
 
     cylinder: Cylinder
@@ -113,8 +117,46 @@ def find_cylinder(
     if not score[best] > 0.0:
         return None
     rivals = np.where(score >= 0.5 * score[best], score, 0.0)
-    spread = np.sqrt(np.average((cylinders[2] / cylinders[2][best] - 1.0) ** 2, weights=rivals))
+    spread = np.sqrt(np.average(np.log(cylinders[2] / cylinders[2][best]) ** 2, weights=rivals))
     return Found(refined[best], float(score[best]), float(share[best]), float(spread))
+
+
+def judge(points: NDArray[np.float64], cylinder: Cylinder) -> tuple[float, float]:
+    """Return the score and the share of a cylinder, as in `Found`.
+
+    Args:
+        points: (point, 3), evenly spread over the surface.
+        cylinder: It.
+    """
+    arrays = cylinder.point[None], cylinder.direction[None], np.array([cylinder.radius])
+    score, share = _score(points, arrays, _FINE, 0)
+    return float(score[0]), float(share[0])
+
+
+def side_walls(points: NDArray[np.float64], cylinder: Cylinder, *, seed: int = 0) -> float:
+    """Return the share of smooth surface near a cylinder that runs along it and yet is not its wall.
+
+    Near 0 in a pipe, however noisy: there, what is not wall is an end or noise. A duct or a room has side walls.
+
+    Args:
+        points: (point, 3), evenly spread over the surface.
+        cylinder: It.
+        seed: Of the sample.
+    """
+    from scipy.spatial import cKDTree
+
+    rng = np.random.default_rng(seed)
+    seeds = points[rng.choice(len(points), min(_SEEDS[0], len(points)), replace=False)]
+    normals = _normals(points, cKDTree(points), seeds, min(_NEIGHBOURS[1], len(points)))
+    offset = seeds - cylinder.point
+    along = offset @ cylinder.direction
+    radial = offset - along[:, None] * cylinder.direction
+    rho = np.linalg.norm(radial, axis=1)
+    near = (np.abs(along) < WINDOW * cylinder.radius) & (rho < 2.0 * cylinder.radius) & np.isfinite(normals[:, 0])
+    faces = np.abs(np.einsum("ij,ij->i", normals, radial)) > _FACING * rho
+    wall = faces & (np.abs(rho / cylinder.radius - 1.0) < _COARSE)
+    side = near & ~wall & (np.abs(normals @ cylinder.direction) < _ALONG)
+    return float(side.sum() / max(1, near.sum()))
 
 
 def thin(points: NDArray[np.float64], count: int, rng: np.random.Generator) -> NDArray[np.float64]:
@@ -164,12 +206,14 @@ def _hypotheses(
     seeds, normals = seeds[good], normals[good]
     if len(seeds) < 2:
         return np.empty((0, 3)), np.empty((0, 3)), np.empty(0)
-    reach = min(len(seeds), 1024)
+    reach = min(len(seeds), _REACH)
     neighbours = cKDTree(seeds).query(seeds, k=reach)[1]
     # Partners near and far alike: a pair is best about a radius apart, and the radius is not known.
     rank = np.minimum((reach ** rng.random((len(seeds), pairs))).astype(np.int64), reach - 1)
     first = np.repeat(np.arange(len(seeds)), pairs)
     second = np.take_along_axis(neighbours, rank, axis=1).ravel()
+    far = rng.random(len(second)) < _FAR
+    second[far] = rng.integers(0, len(seeds), int(far.sum()))
     axis = np.cross(normals[first], normals[second])
     size = np.linalg.norm(axis, axis=1)
     keep = size > 0.2

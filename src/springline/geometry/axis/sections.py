@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -16,6 +15,7 @@ from springline.geometry.axis.pooled import (
     PooledSection,
     sector_of,
 )
+from springline.geometry.fitting.results import EllipseFits
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -29,33 +29,12 @@ _GATE = 0.3
 _TOO_FEW, _SCATTERED = 1, 6
 
 
-@dataclass(frozen=True)
-class AxisSections:
-    """Sections of many rings; the arrays run over rings, as those of `fitting.EllipseFits` do.
-
-    Attributes:
-        parameters: (ring, 5) centre_z, centre_y, mean_radius, oval_cos, oval_sin [m]; NaN where there is none.
-        covariance: (ring, 5, 5) of `parameters` [m2].
-        residual_rms: (ring,) rms distance of the used readings to the section [m].
-        noise_sigma: (ring,) robust one-sigma of one reading [m].
-        n_used: (ring,) readings that the section stands on.
-        status: (ring,) flag of `springline.conventions.FIT_STATUS`, 0 when fitted.
-    """
-
-    parameters: NDArray[np.float64]
-    covariance: NDArray[np.float64]
-    residual_rms: NDArray[np.float64]
-    noise_sigma: NDArray[np.float64]
-    n_used: NDArray[np.int64]
-    status: NDArray[np.uint8]
-
-
 def sections_about_axis(
     ranges: NDArray[np.floating],
     bearings: NDArray[np.floating],
     distance: NDArray[np.floating],
     pooled: PooledSection,
-) -> AxisSections:
+) -> EllipseFits:
     """Return the section of each ring, to first order in its ovality and its offset.
 
     A ring of which a third or more is unseen in one piece does not determine an ellipse alone: the mean section then
@@ -67,6 +46,9 @@ def sections_about_axis(
         bearings: (bearing,) at equal steps, from +z counter-clockwise [rad].
         distance: (ring,) position along the axis [m].
         pooled: The mean section of the same rings.
+
+    Returns:
+        Fits in the order of the rings; their covariance holds what neighbouring readings err alike.
 
     Source: as `pool_sections`.
 
@@ -87,7 +69,7 @@ def sections_about_axis(
         )
         for i in range(0, len(ranges), _BLOCK)
     ]
-    return AxisSections(*(np.concatenate(part) for part in zip(*parts, strict=True)))
+    return EllipseFits(*(np.concatenate(part) for part in zip(*parts, strict=True)), method="about axis")
 
 
 def _solve(

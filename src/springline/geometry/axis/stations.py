@@ -16,8 +16,7 @@ if TYPE_CHECKING:
 
 _WALL = 0.15
 """A range counts as wall when it is within this of the typical radius, in radii."""
-_OUTER = 2.0
-"""Points beyond this many radii are not looked at."""
+_BIWEIGHT = 4.685
 _LEAST_CELLS = 0.03
 """Share of its bearings over which a trusted station shows wall."""
 _MOST_SCATTER = 0.05
@@ -32,7 +31,7 @@ class Stations:
 
     Attributes:
         distance: (station,) of their middles along the centreline [m].
-        ranges: (station, bearing) median range from the centreline to the points of a cell [m]; NaN = no point.
+        ranges: (station, bearing) robust mean range from the centreline to the points of a cell [m]; NaN = no point.
         bearings: (bearing,) middles of the cells, from +z counter-clockwise [rad].
         count: (station, bearing) points in the cell.
     """
@@ -72,12 +71,30 @@ def cut_stations(placed: Placed, start: float, spacing: float, number: int, bear
     low, high = first + (count[filled] - 1) // 2, first + count[filled] // 2
     ranges = np.full(number * bearings, np.nan)
     ranges[filled] = 0.5 * (radius[low] + radius[high])
+    ranges[filled] += _mean_departure(radius - ranges[cell], cell, bearings, count)[filled]
     return Stations(
         start + spacing * (np.arange(number) + 0.5),
         ranges.reshape(number, bearings),
         np.arange(bearings) * (2.0 * np.pi / bearings),
         count.reshape(number, bearings),
     )
+
+
+def _mean_departure(departure: NDArray, cell: NDArray, bearings: int, count: NDArray) -> NDArray[np.float64]:
+    """Return the biweight mean of the points' departures from their cell's median, one step from it.
+
+    The median alone jumps between the few values of a quantised depth when a single point enters the cell.
+    """
+    size, station = np.abs(departure), cell // bearings
+    order = np.lexsort((size, station))
+    total = np.bincount(station, minlength=len(count) // bearings)
+    middle = np.cumsum(total) - total + total // 2
+    scale = np.zeros(len(total))
+    scale[total > 0] = 1.4826 * size[order][middle[total > 0]]
+    relative = departure / (_BIWEIGHT * np.maximum(scale, 1e-12)[station])
+    weight = np.clip(1.0 - relative**2, 0.0, None) ** 2
+    top = np.bincount(cell, weight * departure, minlength=len(count))
+    return top / np.maximum(np.bincount(cell, weight, minlength=len(count)), 1e-12)
 
 
 def trusted(stations: Stations, radius: float, least_share: float) -> NDArray[np.bool_]:
