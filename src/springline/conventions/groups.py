@@ -258,11 +258,28 @@ GROUPS = {
                     )
                 ),
                 _v("flags", "station", "", "space-separated remarks", "str"),
+                _v("liner_lobe", "station", "1", "1 where the liner has left its host in a lobe", "uint8"),
+                _v("liner_lobe_false_alarm", "station", "1", "how often a station without a lobe shows as much"),
+                *_with_sigma(
+                    (
+                        _v("liner_lobe_bearing", "station", "rad", "bearing of the lobe's centre"),
+                        _v("liner_lobe_half_angle", "station", "rad", "half the angle that the lobe spans"),
+                        _v("liner_lobe_depth", "station", "m", "host's radius at its centre less what is left there"),
+                        _v("liner_lobe_power", "station", "1", "power of the lobe's shape; sigma 0 where it was given"),
+                        _v("liner_remaining_radius", "station", "m", "radius left at the lobe's centre (OC)"),
+                        _v("liner_gap_area", "station", "m2", "area between host and lobe"),
+                    )
+                ),
+                _v("liner_protrusion", "station", "m", "furthest the fitted lobe leaves its host outward"),
             ),
             (
                 ("model", "shape model: ellipse"),
                 ("range_scale_sigma", "relative one-sigma of the sensor's scale"),
                 ("range_scale_source", "where that sigma comes from"),
+                ("mean_diameter", "of a cloud: diameter of the mean section [m]"),
+                ("mean_diameter_sigma", "its one-sigma without the sensor's scale [m]"),
+                ("liner_kind", "kind of lobe that was looked for: proposed or smooth"),
+                ("liner_false_alarm_rate", "how often a station without a lobe may be said to show one"),
             ),
             open=True,
         ),

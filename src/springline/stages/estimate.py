@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import json
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 import xarray as xr
 
 from ..conventions import FIT_STATUS, POSE_TERMS, SECTION_PARAMETERS
 from ..errors import InputError
+from ..geometry.axis import pool_sections, sections_about_axis
 from ..geometry.cleaning import unlike_both_sides
 from ..geometry.deviation import correlation_inflation, largest_gap, radial_deviation, smoothed_extremes
 from ..geometry.fitting import fit_ellipses_to_ranges
@@ -18,12 +19,15 @@ from ..survey import add_assumption, add_warning
 
 if TYPE_CHECKING:
     from ..config import Config, EstimateConfig
+    from ..geometry.axis import PooledSection
+    from ..geometry.fitting import EllipseFits
     from ..survey import Survey
 
 _BLOCK = 4096
 _TOO_FEW, _ARC_TOO_SHORT = 1, 3
 _ALIKE = 9
 _SCATTERED = 3.0
+_INDEPENDENT = 2.0
 _PER_STATION = ("residual_rms", "noise", "centre_y", "centre_z")
 _SEVERITIES = ("s1", "s2", "s02", "s01")
 _DEVIATIONS = ("deviation_in", "deviation_in_bearing", "deviation_out", "deviation_out_bearing")
@@ -35,8 +39,9 @@ def estimate(survey: Survey, config: Config) -> Survey:
     The section's centre gives the sensor's offset; its shape is taken as perpendicular to the pipe, so that the
     sensor's own tilt stays in it (an assumption that is stated). Sigmas are widened where neighbouring readings err
     together. Stations without enough coverage, or whose readings
-    do not determine an ellipse, have no section and say why in `status`. The mode of deformation is named only where
-    its posterior is clear, `undecided` otherwise.
+    do not determine an ellipse, have no section and say why in `status`. Rings that were cut from a cloud share its
+    axis and lend one another what a part of the wall leaves open; their mean section gives the mean diameter. The mode
+    of deformation is named only where its posterior is clear, `undecided` otherwise.
 
     Args:
         survey: With `/rings` and `/mask`.
@@ -61,8 +66,20 @@ def estimate(survey: Survey, config: Config) -> Survey:
     scale, source = _scale(survey, config)
     section = _section(rings, mask, found)
     section.attrs = {"model": "ellipse", "range_scale_sigma": scale, "range_scale_source": source}
+    if "mean_diameter" in found:
+        section.attrs |= {name: found[name] for name in ("mean_diameter", "mean_diameter_sigma")}
     survey = _explain(survey, found)
     return survey.with_group("pose", _pose(rings, found)).with_group("section", section)
+
+
+class _Fitted(NamedTuple):
+    """Sections of some rings: the readings they stand on, and how many readings err alike, so count as one."""
+
+    ranges: np.ndarray
+    fits: EllipseFits
+    covariance: np.ndarray
+    status: np.ndarray
+    alike: np.ndarray
 
 
 def _fit(rings: xr.Dataset, mask: xr.Dataset, settings: EstimateConfig) -> dict[str, np.ndarray]:
@@ -76,32 +93,69 @@ def _fit(rings: xr.Dataset, mask: xr.Dataset, settings: EstimateConfig) -> dict[
     found["mode"] = np.full(count, -1, np.int8)
     found["mode_probability"] = np.full(count, np.nan)
     found["inverted"] = np.zeros(count, bool)
-    coverage = mask["coverage"].values
+    common = _common(rings, mask)
+    if common is not None:
+        _fit_rows(found, slice(0, count), _about_axis(rings, mask, common), bearings)
+        found["mean_diameter"] = common.diameter
+        doubt = float(rings.attrs.get("diameter_doubt", 0.0))
+        found["mean_diameter_sigma"] = float(np.hypot(common.diameter_sigma, doubt * common.diameter))
+        return found
     for start in range(0, count, _BLOCK):
         rows = slice(start, start + _BLOCK)
-        used = mask["reason"][rows].values == 0
-        thin, gap = coverage[rows] < settings.minimum_coverage, largest_gap(used) > settings.largest_gap
-        used[thin | gap] = False
-        ranges = np.where(used, rings["range"][rows].values, np.float32(np.nan))
-        fits = fit_ellipses_to_ranges(ranges, bearings)
-        found["parameters"][rows] = fits.parameters
-        found["residual_rms"][rows] = fits.residual_rms
-        found["noise"][rows] = fits.noise_sigma
-        found["centre_z"][rows], found["centre_y"][rows] = fits.centre_z, fits.centre_y
-        found["status"][rows] = np.where(thin, _TOO_FEW, np.where(gap, _ARC_TOO_SHORT, fits.status))
-        deviation = radial_deviation(ranges, bearings, fits.parameters)
-        inflation = correlation_inflation(deviation, fits.noise_sigma, window=_ALIKE)
-        found["covariance"][rows] = fits.covariance * inflation[:, None, None]
-        for name, values in zip(_DEVIATIONS, smoothed_extremes(deviation, bearings), strict=True):
-            found[name][rows] = values
-        modes = select_modes(ranges, bearings, ellipses=fits)
-        named = modes.mode > 0
-        found["mode"][rows] = modes.mode
-        found["mode_probability"][rows] = modes.probability.max(axis=1)
-        found["inverted"][rows] = modes.inverted & named
-        found["severities"][rows] = np.where(named[:, None], modes.severities, np.nan)
-        found["severities_sigma"][rows] = np.where(named[:, None], modes.sigma, np.nan)
+        _fit_rows(found, rows, _one_by_one(rings, mask, rows, settings), bearings)
     return found
+
+
+def _common(rings: xr.Dataset, mask: xr.Dataset) -> PooledSection | None:
+    """Return the mean section of rings that were cut from a cloud about one axis; None for rings of their own."""
+    if rings.attrs.get("distance_source") != "axis":
+        return None
+    ranges = np.where(mask["reason"].values == 0, rings["range"].values, np.nan)
+    return pool_sections(ranges, rings["bearing"].values, rings["distance"].values)
+
+
+def _about_axis(rings: xr.Dataset, mask: xr.Dataset, common: PooledSection) -> _Fitted:
+    """Return the section of each ring about the axis that they share."""
+    ranges = np.where(mask["reason"].values == 0, rings["range"].values, np.nan)
+    fits = sections_about_axis(ranges, rings["bearing"].values, rings["distance"].values, common)
+    alike = np.full(len(ranges), common.alike)
+    return _Fitted(ranges, fits, fits.covariance, fits.status, alike)
+
+
+def _one_by_one(rings: xr.Dataset, mask: xr.Dataset, rows: slice, settings: EstimateConfig) -> _Fitted:
+    """Return the ellipse of each ring by itself, its sigma widened where neighbouring readings err together."""
+    bearings = rings["bearing"].values
+    used = mask["reason"][rows].values == 0
+    thin = mask["coverage"][rows].values < settings.minimum_coverage
+    gap = largest_gap(used) > settings.largest_gap
+    used[thin | gap] = False
+    ranges = np.where(used, rings["range"][rows].values, np.float32(np.nan))
+    fits = fit_ellipses_to_ranges(ranges, bearings)
+    deviation = radial_deviation(ranges, bearings, fits.parameters)
+    alike = correlation_inflation(deviation, fits.noise_sigma, window=_ALIKE)
+    status = np.where(thin, _TOO_FEW, np.where(gap, _ARC_TOO_SHORT, fits.status))
+    return _Fitted(ranges, fits, fits.covariance * alike[:, None, None], status, alike)
+
+
+def _fit_rows(found: dict[str, np.ndarray], rows: slice, fitted: _Fitted, bearings: np.ndarray) -> None:
+    """Fill the rows with what was fitted: parameters, deviations of the wall, and the mode where it is clear."""
+    fits = fitted.fits
+    found["parameters"][rows], found["covariance"][rows] = fits.parameters, fitted.covariance
+    found["residual_rms"][rows], found["noise"][rows] = fits.residual_rms, fits.noise_sigma
+    found["centre_z"][rows], found["centre_y"][rows] = fits.centre_z, fits.centre_y
+    found["status"][rows] = fitted.status
+    deviation = radial_deviation(fitted.ranges, bearings, fits.parameters)
+    for name, values in zip(_DEVIATIONS, smoothed_extremes(deviation, bearings), strict=True):
+        found[name][rows] = values
+    modes = select_modes(fitted.ranges, bearings, ellipses=fits)
+    # The posterior takes readings as independent; where they are not, it would be too sure.
+    clear = fitted.alike < _INDEPENDENT
+    named = (modes.mode > 0) & clear
+    found["mode"][rows] = np.where(clear, modes.mode, -1)
+    found["mode_probability"][rows] = np.where(clear, modes.probability.max(axis=1), np.nan)
+    found["inverted"][rows] = modes.inverted & named
+    found["severities"][rows] = np.where(named[:, None], modes.severities, np.nan)
+    found["severities_sigma"][rows] = np.where(named[:, None], modes.sigma, np.nan)
 
 
 def _section(rings: xr.Dataset, mask: xr.Dataset, found: dict[str, np.ndarray]) -> xr.Dataset:

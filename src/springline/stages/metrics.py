@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import xarray as xr
 
+from ..geometry.axis import mean_over_stations
 from ..geometry.fitting.boundary import amplitude_interval
 from ..geometry.measures import ellipse_measures
 from ..survey import add_assumption
@@ -89,9 +90,7 @@ def _mean_diameter(section: xr.Dataset, diameter: Measure, scale: float) -> dict
     if "mean_diameter" in section.attrs:
         mean, fit = float(section.attrs["mean_diameter"]), float(section.attrs["mean_diameter_sigma"])
     else:
-        fitted = np.isfinite(diameter.value)
-        mean = float(diameter.value[fitted].mean())
-        fit = float(np.sqrt((diameter.sigma[fitted] ** 2).sum()) / fitted.sum())
+        mean, fit = mean_over_stations(diameter.value, diameter.sigma)
     parts = {"diameter_sigma_fit": fit, "diameter_sigma_scale": scale * mean}
     return {"diameter_mean": mean, "diameter_sigma": float(np.hypot(*parts.values())), **parts}
 
