@@ -75,6 +75,21 @@ class EstimateConfig(_Settings):
     follows the errors of the readings at the ends of the arc."""
 
 
+class LinerConfig(_Settings):
+    """Lobes of a liner."""
+
+    fit: bool = False
+    """Whether lobes are looked for: only the user knows that there is a liner."""
+    kind: Literal["proposed", "smooth"] = "proposed"
+    """The published lobe with varying amplitude, or the recommended one that never leaves its host."""
+    power: Positive | None = None
+    """Its power; 2 for the published lobe and 3 for the smooth one when not given."""
+    free_power: bool = False
+    """Whether the power is fitted too."""
+    false_alarm: Annotated[float, Field(gt=0, lt=1)] = 1e-4
+    """How often a station without a lobe may be said to show one."""
+
+
 class MetricsConfig(_Settings):
     """Diameters and what they refer to."""
 
@@ -89,6 +104,7 @@ class Config(_Settings):
     rings: RingsConfig = RingsConfig()
     clean: CleanConfig = CleanConfig()
     estimate: EstimateConfig = EstimateConfig()
+    liner: LinerConfig = LinerConfig()
     metrics: MetricsConfig = MetricsConfig()
 
 

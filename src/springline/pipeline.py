@@ -9,6 +9,7 @@ from .config import Config
 from .design import judge, load_rule
 from .stages.clean import clean
 from .stages.estimate import estimate
+from .stages.liner import liner
 from .stages.metrics import metrics
 from .stages.rings import rings
 from .survey import add_run, validate
@@ -18,7 +19,7 @@ if TYPE_CHECKING:
 
     from .survey import Survey
 
-STAGES = (rings, clean, estimate, metrics)
+STAGES = (rings, clean, estimate, liner, metrics)
 """The stages in the order in which they run; each takes a survey and its settings and adds its groups."""
 
 

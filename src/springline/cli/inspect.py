@@ -46,6 +46,9 @@ def inspect(
     spacing: Annotated[
         str | None, typer.Option("--spacing", metavar="LENGTH", help="Distance between the stations of a cloud.")
     ] = None,
+    liner: Annotated[
+        bool, typer.Option("--liner", help="The pipe is lined: look for lobes where the liner has left its host.")
+    ] = False,
     input_format: reading.InputFormat = None,
     unit: reading.Unit = None,
     bearing_zero: reading.BearingZero = None,
@@ -75,7 +78,7 @@ def inspect(
         sensor=sensor,
         name=name,
     )
-    settings = _settings(config, spacing)
+    settings = _settings(config, spacing, liner=liner)
     _refuse_existing(output, force)
     base_diameter = _length(base, "--base")
     surveys = {
@@ -141,10 +144,12 @@ def _inspect_each(
     return index
 
 
-def _settings(path: Path | None, spacing: str | None) -> Config:
+def _settings(path: Path | None, spacing: str | None, *, liner: bool) -> Config:
     from ..config import Config, load_config
 
     settings = load_config(path) if path else Config()
+    if liner:
+        settings = settings.model_copy(update={"liner": settings.liner.model_copy(update={"fit": True})})
     if spacing is None:
         return settings
     rings = settings.rings.model_copy(update={"spacing": _length(spacing, "--spacing")})
