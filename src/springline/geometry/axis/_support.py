@@ -13,7 +13,7 @@ _SLICE, _SECTORS = 0.15, 60
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def support(points, centres, directions, radii, window, tolerance, least_arc, score, share):
+def support(points, centres, directions, radii, ovals, window, tolerance, least_arc, score, share):
     """Score cylinders by the area of wall that the points show on them, in place.
 
     The stretch of each cylinder is divided into cells of 0.15 radii by 6 degrees. A cell is seen when a point lies in
@@ -27,6 +27,7 @@ def support(points, centres, directions, radii, window, tolerance, least_arc, sc
         centres: (hypothesis, 3) a point on each axis, in the middle of its stretch.
         directions: (hypothesis, 3) unit vectors.
         radii: (hypothesis,).
+        ovals: (hypothesis, 3) as `Cylinder.oval`.
         window: Half length of the stretch that a cylinder answers for, in radii.
         tolerance: Half thickness of the wall, in radii.
         least_arc: Sectors of 6 degrees.
@@ -42,6 +43,8 @@ def support(points, centres, directions, radii, window, tolerance, least_arc, sc
         ax, ay, az = directions[h, 0], directions[h, 1], directions[h, 2]
         ux, uy, uz, vx, vy, vz = across(ax, ay, az)
         r = radii[h]
+        ox, oy, oz = ovals[h, 0], ovals[h, 1], ovals[h, 2]
+        amplitude = ox * ox + oy * oy + oz * oz
         for i in range(points.shape[0]):
             dx = points[i, 0] - centres[h, 0]
             dy = points[i, 1] - centres[h, 1]
@@ -54,11 +57,15 @@ def support(points, centres, directions, radii, window, tolerance, least_arc, sc
             rho = sqrt(p * p + q * q)
             if rho > _OUTER:
                 continue
+            wall_at = 1.0
+            if amplitude > 0.0 and rho > 0.0:
+                toward = (dx * ox + dy * oy + dz * oz) / (r * rho)
+                wall_at += 2.0 * toward * toward - amplitude
             slice_ = int((along + window) / _SLICE)
             sector = min(int((atan2(q, p) + pi) * (_SECTORS / (2.0 * pi))), _SECTORS - 1)
             cell = slice_ * _SECTORS + sector
             seen[cell] += 1
-            if abs(rho - 1.0) < tolerance:
+            if abs(rho - wall_at) < tolerance:
                 near[cell] += 1
         cells = 0
         wall = 0
@@ -77,18 +84,19 @@ def support(points, centres, directions, radii, window, tolerance, least_arc, sc
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def gather(points, centre, direction, radius, window, gate, normal, target):
-    """Fill the normal equations of a cylinder's step: radius, shift and tilt along two directions across the axis.
+def gather(points, centre, direction, radius, oval, window, gate, normal, target):
+    """Fill the normal equations of a cylinder's step: radius, shift, tilt and oval in two directions across it.
 
     Args:
         points: (point, 3).
         centre: (3,) a point on the axis, in the middle of the stretch that counts.
         direction: (3,) unit vector.
         radius: The cylinder's.
+        oval: (2,) its oval_cos and oval_sin in those directions, in radii.
         window: Half length of the stretch, in radii.
         gate: Points further from the wall than this, in radii, do not count.
-        normal: (5, 5) filled; in units of the radius.
-        target: (5,) filled.
+        normal: (7, 7) filled; in units of the radius.
+        target: (7,) filled.
 
     Returns:
         How many points count.
@@ -97,7 +105,7 @@ def gather(points, centre, direction, radius, window, gate, normal, target):
     ux, uy, uz, vx, vy, vz = across(ax, ay, az)
     normal[:] = 0.0
     target[:] = 0.0
-    row = np.empty(5)
+    row = np.empty(7)
     row[0] = 1.0
     count = 0
     for i in range(points.shape[0]):
@@ -110,18 +118,22 @@ def gather(points, centre, direction, radius, window, gate, normal, target):
         p = dx * ux + dy * uy + dz * uz
         q = dx * vx + dy * vy + dz * vz
         rho = sqrt(p * p + q * q)
-        misfit = rho - 1.0
-        if abs(misfit) >= gate or rho == 0.0:
+        if rho == 0.0:
+            continue
+        cos, sin = p / rho, q / rho
+        row[5], row[6] = cos * cos - sin * sin, 2.0 * cos * sin
+        misfit = rho - 1.0 - oval[0] * row[5] - oval[1] * row[6]
+        if abs(misfit) >= gate:
             continue
         count += 1
         weight = (1.0 - (misfit / gate) ** 2) ** 2
-        row[1], row[2] = p / rho, q / rho
+        row[1], row[2] = cos, sin
         row[3], row[4] = along * row[1], along * row[2]
-        for j in range(5):
+        for j in range(7):
             target[j] += weight * row[j] * misfit
             for k in range(j + 1):
                 normal[j, k] += weight * row[j] * row[k]
-    for j in range(5):
+    for j in range(7):
         for k in range(j):
             normal[k, j] = normal[j, k]
     return count

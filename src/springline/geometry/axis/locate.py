@@ -184,7 +184,7 @@ def _rings(
     stations, good = stations[rows], good[rows]
     pooled = pool_sections(stations.ranges[good], stations.bearings, stations.distance[good], radius)
     middle = np.array([0.5 * (low + high)])
-    score, share = judge(thinned, Cylinder(line.at(middle)[0], line.direction(middle)[0], radius))
+    score, share = judge(thinned, Cylinder(line.at(middle)[0], line.direction(middle)[0], radius, found.cylinder.oval))
     doubt = 0.0 if found.clear else _doubt(share, score, found.spread)
     return Located(line, stations, good, number - len(good), pooled, share, doubt)
 

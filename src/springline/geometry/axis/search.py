@@ -6,7 +6,7 @@ neighbourhood and the score counts cells of wall in units of the radius, so no u
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -116,9 +116,14 @@ def find_cylinder(
     best = int(np.argmax(score))
     if not score[best] > 0.0:
         return None
+    found = Found(refined[best], float(score[best]), float(share[best]), 0.0)
+    if not found.clear and (oval := refine(points, found.cylinder, oval=True)):
+        found_oval = Found(oval, *judge(points, oval), 0.0)
+        if found_oval.clear:
+            return found_oval
     rivals = np.where(score >= 0.5 * score[best], score, 0.0)
     spread = np.sqrt(np.average(np.log(cylinders[2] / cylinders[2][best]) ** 2, weights=rivals))
-    return Found(refined[best], float(score[best]), float(share[best]), float(spread))
+    return replace(found, spread=float(spread))
 
 
 def judge(points: NDArray[np.float64], cylinder: Cylinder) -> tuple[float, float]:
@@ -128,7 +133,7 @@ def judge(points: NDArray[np.float64], cylinder: Cylinder) -> tuple[float, float
         points: (point, 3), evenly spread over the surface.
         cylinder: It.
     """
-    arrays = cylinder.point[None], cylinder.direction[None], np.array([cylinder.radius])
+    arrays = cylinder.point[None], cylinder.direction[None], np.array([cylinder.radius]), cylinder.oval[None]
     score, share = _score(points, arrays, _FINE, 0)
     return float(score[0]), float(share[0])
 
@@ -244,8 +249,10 @@ def _take(cylinders: tuple[NDArray, ...], which: NDArray) -> tuple[NDArray, ...]
 def _score(
     points: NDArray, cylinders: tuple[NDArray, ...], tolerance: float, least_arc: int
 ) -> tuple[NDArray, NDArray]:
-    """Return the scores and the shares of cylinders (centres, directions, radii)."""
+    """Return the scores and the shares of cylinders: centres, directions, radii, and ovals unless circular."""
     score, share = np.empty(len(cylinders[2])), np.empty(len(cylinders[2]))
+    if len(cylinders) == 3:
+        cylinders = (*cylinders, np.zeros_like(cylinders[1]))
     arrays = (np.ascontiguousarray(array, dtype=np.float64) for array in (points, *cylinders))
     support(*arrays, WINDOW, tolerance, least_arc, score, share)
     return score, share

@@ -20,7 +20,7 @@ _BIWEIGHT = 4.685
 _LEAST_CELLS = 0.03
 """Share of its bearings over which a trusted station shows wall."""
 _MOST_SCATTER = 0.05
-"""A station whose readings scatter more than this about the wall, in radii, tells nothing about its shape."""
+"""A station whose readings scatter more than this from one to the next, in radii, tells nothing about its shape."""
 _BRIDGE = 3.0
 """Gaps up to this many radii are bridged: what lies beyond a longer one is not taken for the same pipe."""
 
@@ -105,22 +105,31 @@ def trusted(stations: Stations, radius: float, least_share: float) -> NDArray[np
         radius: Typical radius [m].
         least_share: Of what a station shows that must be wall.
     """
-    misfit, wall = _wall(stations, radius)
+    wall = _wall(stations, radius)
     enough = wall.sum(axis=1) >= max(3.0, _LEAST_CELLS * wall.shape[1])
     most = wall.sum(axis=1) >= least_share * np.isfinite(stations.ranges).sum(axis=1)
-    scatter = 1.4826 * row_median(np.where(wall, misfit, np.nan))
-    return enough & most & (scatter < _MOST_SCATTER)
+    return enough & most & (_roughness(np.where(wall, stations.ranges / radius, np.nan)) < _MOST_SCATTER)
+
+
+def _roughness(relative: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the one-sigma of each ring's readings by how they differ from the one before: a smooth shape adds none."""
+    seen = np.isfinite(relative)
+    place = np.arange(relative.shape[1])
+    before = np.maximum.accumulate(np.where(seen, place, -1), axis=1)
+    before = np.concatenate([np.full((len(seen), 1), -1), before[:, :-1]], axis=1)
+    step = relative - np.take_along_axis(relative, np.maximum(before, 0), axis=1)
+    step = np.abs(np.where(before >= 0, step, np.nan))
+    return 1.4826 / np.sqrt(2.0) * np.nan_to_num(row_median(step), nan=np.inf)
 
 
 def shows_wall(stations: Stations, radius: float) -> NDArray[np.bool_]:
     """Return which stations (station,) hold readings that could be wall, whatever else they hold."""
-    return _wall(stations, radius)[1].sum(axis=1) >= 3
+    return _wall(stations, radius).sum(axis=1) >= 3
 
 
-def _wall(stations: Stations, radius: float) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:
-    """Return the distance of each range from the typical radius, in radii, and whether it may be wall."""
-    misfit = np.abs(np.where(np.isfinite(stations.ranges), stations.ranges, np.inf) / radius - 1.0)
-    return misfit, misfit < _WALL
+def _wall(stations: Stations, radius: float) -> NDArray[np.bool_]:
+    """Whether each range is near enough to the typical radius to be wall."""
+    return np.abs(np.nan_to_num(stations.ranges, nan=np.inf) / radius - 1.0) < _WALL
 
 
 def longest_stretch(good: NDArray[np.bool_], weight: NDArray, step: float) -> slice:

@@ -35,7 +35,7 @@ def trace(points: NDArray[np.float64], start: Cylinder) -> NDArray[np.float64]:
     from scipy.spatial import cKDTree
 
     tree = cKDTree(points)
-    back = _march(points, tree, Cylinder(start.point, -start.direction, start.radius))
+    back = _march(points, tree, Cylinder(start.point, -start.direction, start.radius, start.oval))
     ahead = _march(points, tree, start)
     return np.array([*back[::-1], start.point, *ahead])
 
@@ -47,7 +47,7 @@ def _march(points: NDArray, tree, start: Cylinder) -> list[NDArray]:
     for _ in range(_FURTHEST):
         guess = Cylinder(last.point + _STEP * start.radius * last.direction, last.direction, start.radius)
         near = points[tree.query_ball_point(guess.point, 1.8 * start.radius)]
-        fitted = _fit(near, guess, start.radius)
+        fitted = _fit(near, guess, start.radius, bool(start.oval.any()))
         if fitted is None:
             # One blank step is bridged: a joint or a shadow is shorter than half a radius.
             if misses:
@@ -61,11 +61,11 @@ def _march(points: NDArray, tree, start: Cylinder) -> list[NDArray]:
     return found
 
 
-def _fit(near: NDArray, guess: Cylinder, radius: float) -> Cylinder | None:
+def _fit(near: NDArray, guess: Cylinder, radius: float, oval: bool) -> Cylinder | None:
     """Return the cylinder at the guess, or None where no wall of about the same radius is there."""
     if len(near) < 30:
         return None
-    fitted = refine(near, guess, window=_WINDOW)
+    fitted = refine(near, guess, window=_WINDOW, oval=oval)
     if fitted is None or abs(fitted.radius / radius - 1.0) > 0.15:
         return None
     slip = fitted.point - guess.point
@@ -73,8 +73,8 @@ def _fit(near: NDArray, guess: Cylinder, radius: float) -> Cylinder | None:
     if np.linalg.norm(slip) > 0.3 * radius or fitted.direction @ guess.direction < 0.8:
         return None
     score, share = np.empty(1), np.empty(1)
-    arrays = (near, fitted.point[None], fitted.direction[None])
-    support(*arrays, np.array([fitted.radius]), _WINDOW, _TOLERANCE, _LEAST_ARC, score, share)
+    arrays = (near, fitted.point[None], fitted.direction[None], np.array([fitted.radius]), fitted.oval[None])
+    support(*arrays, _WINDOW, _TOLERANCE, _LEAST_ARC, score, share)
     if share[0] < _LEAST_SHARE or score[0] < _LEAST_WALL:
         return None
     direction = guess.direction + _FRESH * (fitted.direction - guess.direction)
