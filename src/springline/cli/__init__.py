@@ -21,6 +21,7 @@ _COMMANDS = {
     "formats": "List the formats that can be read and written.",
     "convert": "Convert a survey from one format to another.",
     "simulate": "Simulate a survey with known truth from a scenario.",
+    "design": "Size a liner, from numbers or along an inspected pipe.",
     "reproduce": "Make the dissertation's tables and figures again, beside what was printed.",
 }
 

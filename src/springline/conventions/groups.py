@@ -327,7 +327,34 @@ GROUPS = {
             open=True,
         ),
         Group("layout", "stages.estimate", "centreline, gradient, bends, with sigma", open=True),
-        Group("design", "design", "required liner thickness and the check that governs", open=True),
+        Group(
+            "design",
+            "design",
+            "required liner thickness and the check that governs; `thickness_...` [m] by each check",
+            (
+                _v("chainage", "station", "m", "chainage of the station", required=True),
+                _v("diameter", "station", "m", "mean diameter that was used"),
+                _v("ovality", "station", "1", "ovality that was used"),
+                *_with_sigma((_v("liner_thickness", "station", "m", "thickness that the governing check asks for"),)),
+                _v("liner_governing", "station", "", "check that asks for most; empty without a thickness", "str"),
+                _v("liner_standard", "station", "m", "next thickness up that is made"),
+                _v("dimension_ratio", "station", "1", "diameter over liner_thickness"),
+                _v("liner_remarks", "station", "", "space-separated keys of design.liner.WARNINGS", "str"),
+            ),
+            (
+                ("rule", "published method"),
+                ("edition", "its edition"),
+                ("condition", "partially or fully deteriorated"),
+                ("mean", "by which mean diameter and ovality are taken"),
+                ("governing_station", "station that asks for most and speaks for the pipe"),
+                ("required_upper", "one-sided 95 % bound of its thickness [m]"),
+                ("standard", "next thickness up that is made [m]"),
+                ("standard_upper", "the same for required_upper [m]"),
+                ("checks", "JSON list of the checks that applied"),
+                ("inputs", "JSON: every number of the design, in SI"),
+            ),
+            open=True,
+        ),
     )
 }
 """The data contract: group name to `Group`; `survey.schema` validates against it, the docs page is made from it."""

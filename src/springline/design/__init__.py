@@ -7,6 +7,7 @@ sizes a liner along a pipe; `acceptance` judges measured deformation by the rule
 from __future__ import annotations
 
 from springline.design.acceptance import Assessment, evaluate
+from springline.design.along import design_survey
 from springline.design.judge import judge
 from springline.design.liner import LinerDesign, LinerResult, design_liner, next_standard
 from springline.design.rule import Rule, load_rule, rule_names
@@ -19,6 +20,7 @@ __all__ = [
     "Rule",
     "design_liner",
     "design_stations",
+    "design_survey",
     "evaluate",
     "judge",
     "load_rule",

@@ -18,7 +18,7 @@ from .unroll import unroll
 from .viewer import render_viewer
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Mapping
 
     from ..survey import Survey
 
@@ -31,6 +31,7 @@ def write_outputs(
     *,
     config_toml: str,
     force: bool = False,
+    more: Mapping[str, Callable[[Path], object]] | None = None,
     progress: Callable[[str], None] | None = None,
 ) -> list[Path]:
     """Write the files of an inspection into a new folder, which appears only when all of them are complete.
@@ -40,6 +41,7 @@ def write_outputs(
         directory: The folder to make.
         config_toml: The resolved settings as TOML.
         force: Replace the folder when it holds an earlier inspection.
+        more: Further files by name, each with what writes it.
         progress: Called with the name of each file before it is written.
 
     Returns:
@@ -55,7 +57,7 @@ def write_outputs(
     results = Results(survey)
     with replacing(directory, force=force) as temporary:
         temporary.mkdir()
-        for name, write in _writers(results, config_toml).items():
+        for name, write in (_writers(results, config_toml) | dict(more or {})).items():
             if progress is not None:
                 progress(name)
             write(temporary / name)
