@@ -102,14 +102,14 @@ def locate_pipe(
         settled = settle_straight(sample, found.cylinder, least)
         path = trace(thinned, found.cylinder)
         if _bends(path, settled):
-            settled = _better(sample, settled, settle_curve(sample, path, settled.radius, least))
+            settled = _better(sample, settled, settle_curve(sample, path, settled.radius, least, settled.oval))
     except InputError:
         if found.clear or not looking:
             raise
         # Too little is wall to settle anything: the search's own cylinder stands, over the stretch it was judged on.
         reach = WINDOW * found.cylinder.radius * found.cylinder.direction
         line = Centreline(np.stack([found.cylinder.point - reach, found.cylinder.point + reach]))
-        settled, least = Settled(line, found.cylinder.radius, 0.0, line.length), 0.0
+        settled, least = Settled(line, found.cylinder.radius, (0.0, 0.0), 0.0, line.length), 0.0
     return _rings(points, thinned, settled, found, spacing, bearings, least)
 
 
@@ -177,7 +177,7 @@ def _rings(
     step = spacing or 0.1 * radius
     number = max(1, int((high - low) / step))
     stations = cut_stations(line.place(points), low, step, number, bearings, 2.0 * radius)
-    good = trusted(stations, radius, least) if least else shows_wall(stations, radius)
+    good = trusted(stations, radius, least, settled.oval) if least else shows_wall(stations, radius)
     if not good.any():
         raise lost()
     rows = longest_stretch(good, np.ones(number), step / radius)

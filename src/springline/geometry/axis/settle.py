@@ -40,12 +40,14 @@ class Settled:
     Attributes:
         line: It.
         radius: Mean radius about it [m].
+        oval: oval_cos and oval_sin of the mean section, in radii.
         low: Where the trusted stretch begins along the line [m].
         high: Where it ends [m].
     """
 
     line: Centreline
     radius: float
+    oval: tuple[float, float]
     low: float
     high: float
 
@@ -66,27 +68,38 @@ def settle_straight(points: NDArray[np.float64], start: Cylinder, least_share: f
     """
     radius = start.radius
     line = Centreline(np.stack([start.point, start.point + radius * start.direction]))
+    oval = oval_in_section(start, line)
     for _ in range(_STEPS):
-        placed, low, high = find_stretch(points, line, radius, least_share)
-        pooled, stations = _pooled(placed, low, high, radius, least_share)
+        placed, low, high = find_stretch(points, line, radius, least_share, oval)
+        pooled, stations = _pooled(placed, low, high, radius, least_share, oval)
         line, moved = _shifted(line, low, high, pooled.centre, pooled.slope, pooled.middle)
-        radius = pooled.mean_radius
+        radius, oval = pooled.mean_radius, _relative(pooled)
         if moved < _STILL * radius:
             break
     for _ in range(_PASSES):
-        placed, low, high = find_stretch(points, line, radius, least_share)
-        pooled, stations = _pooled(placed, low, high, radius, least_share)
+        placed, low, high = find_stretch(points, line, radius, least_share, oval)
+        pooled, stations = _pooled(placed, low, high, radius, least_share, oval)
         radius, centre, slope = polish(placed, stations, pooled)
         line, _ = _shifted(line, low, high, centre, slope, pooled.middle)
-    return Settled(line, radius, 0.0, line.length)
+    return Settled(line, radius, oval, 0.0, line.length)
+
+
+def oval_in_section(cylinder: Cylinder, line: Centreline) -> tuple[float, float]:
+    """Return a cylinder's oval_cos and oval_sin, in radii, about a line along it."""
+    y, z = line.frames(np.zeros(1))[0, 1:] @ cylinder.oval
+    return float(z * z - y * y), float(2.0 * z * y)
+
+
+def _relative(pooled: PooledSection) -> tuple[float, float]:
+    return pooled.oval_cos / pooled.mean_radius, pooled.oval_sin / pooled.mean_radius
 
 
 def _pooled(
-    placed: Placed, low: float, high: float, radius: float, least_share: float
+    placed: Placed, low: float, high: float, radius: float, least_share: float, oval: tuple[float, float]
 ) -> tuple[PooledSection, Stations]:
     step = _FINE * lattice(radius)
     stations = cut_stations(placed, low, step, round((high - low) / step), 360, _REACH * radius)
-    stations = stations[trusted(stations, radius, least_share)]
+    stations = stations[trusted(stations, radius, least_share, oval)]
     return pool_sections(stations.ranges, stations.bearings, stations.distance, radius), stations
 
 
@@ -167,7 +180,13 @@ def _crowd(along: NDArray, around: NDArray) -> NDArray[np.float64]:
     return sum(part * count[cell] for cell, part in corners)
 
 
-def settle_curve(points: NDArray[np.float64], path: NDArray[np.float64], radius: float, least_share: float) -> Settled:
+def settle_curve(
+    points: NDArray[np.float64],
+    path: NDArray[np.float64],
+    radius: float,
+    least_share: float,
+    oval: tuple[float, float] = (0.0, 0.0),
+) -> Settled:
     """Return the smooth curve through the middles of the rings along a traced path.
 
     Args:
@@ -175,25 +194,26 @@ def settle_curve(points: NDArray[np.float64], path: NDArray[np.float64], radius:
         path: (node, 3) where to begin [m].
         radius: Mean radius [m].
         least_share: Of what a station shows that must be wall.
+        oval: oval_cos and oval_sin of the mean section, in radii.
 
     Raises:
         InputError: No stretch along the path shows a wall.
     """
     line = Centreline(smooth(path, 2.0 * radius))
     for _ in range(3):
-        placed, low, high = find_stretch(points, line, radius, least_share)
+        placed, low, high = find_stretch(points, line, radius, least_share, oval)
         step = _CURVE * radius
         stations = cut_stations(placed, low, step, max(1, int((high - low) / step)), 120, _REACH * radius)
-        stations = stations[trusted(stations, radius, least_share)]
+        stations = stations[trusted(stations, radius, least_share, oval)]
         frames = line.frames(stations.distance)[:, 1:]
         places = line.at(stations.distance) + np.einsum("ni,nij->nj", _middles(stations, radius), frames)
         line = Centreline(smooth(places, 2.0 * radius))
-    _, low, high = find_stretch(points, line, radius, least_share)
-    return Settled(line, radius, low, high)
+    _, low, high = find_stretch(points, line, radius, least_share, oval)
+    return Settled(line, radius, oval, low, high)
 
 
 def find_stretch(
-    points: NDArray[np.float64], line: Centreline, radius: float, least_share: float
+    points: NDArray[np.float64], line: Centreline, radius: float, least_share: float, oval: tuple[float, float]
 ) -> tuple[Placed, float, float]:
     """Return the points about the line, and where the trusted stretch begins and ends along it [m].
 
@@ -210,7 +230,7 @@ def find_stretch(
     low = foot + step * np.floor((low - foot) / step)
     number = min(int((high - low) / step) + 1, _MOST_STATIONS)
     rough = cut_stations(placed, low, step, number, 72, _REACH * radius)
-    good = trusted(rough, radius, least_share)
+    good = trusted(rough, radius, least_share, oval)
     rows = longest_stretch(good, (rough.count > 0).sum(axis=1), _COARSE)
     if rows.stop - rows.start < _LEAST_LENGTH / _COARSE:
         raise lost()

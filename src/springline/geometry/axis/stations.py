@@ -15,14 +15,14 @@ if TYPE_CHECKING:
     from springline.geometry.axis.centreline import Placed
 
 _WALL = 0.15
-"""A range counts as wall when it is within this of the typical radius, in radii."""
+"""A range counts as wall when it is within this of the section, in radii."""
 _BIWEIGHT = 4.685
 _LEAST_CELLS = 0.03
 """Share of its bearings over which a trusted station shows wall."""
 _MOST_SCATTER = 0.05
-"""A station whose readings scatter more than this from one to the next, in radii, tells nothing about its shape."""
-_BRIDGE = 3.0
-"""Gaps up to this many radii are bridged: what lies beyond a longer one is not taken for the same pipe."""
+"""A station whose readings scatter more than this about the section, in radii, tells nothing about its shape."""
+_BRIDGE = 2.0
+"""Gaps up to a diameter are bridged [radii]: what lies beyond a longer one is seen too badly or is another pipe."""
 
 
 @dataclass(frozen=True)
@@ -97,39 +97,34 @@ def _mean_departure(departure: NDArray, cell: NDArray, bearings: int, count: NDA
     return top / np.maximum(np.bincount(cell, weight, minlength=len(count)), 1e-12)
 
 
-def trusted(stations: Stations, radius: float, least_share: float) -> NDArray[np.bool_]:
-    """Return which stations (station,) show the wall of a pipe of `radius` [m] and little else.
+def trusted(
+    stations: Stations, radius: float, least_share: float, oval: tuple[float, float] = (0.0, 0.0)
+) -> NDArray[np.bool_]:
+    """Return which stations (station,) show the wall of a pipe and little else.
 
     Args:
         stations: Rings about the pipe's axis.
-        radius: Typical radius [m].
+        radius: Its mean radius [m].
         least_share: Of what a station shows that must be wall.
+        oval: Its oval_cos and oval_sin, in radii.
     """
-    wall = _wall(stations, radius)
+    misfit = _misfit(stations, radius, oval)
+    wall = misfit < _WALL
     enough = wall.sum(axis=1) >= max(3.0, _LEAST_CELLS * wall.shape[1])
     most = wall.sum(axis=1) >= least_share * np.isfinite(stations.ranges).sum(axis=1)
-    return enough & most & (_roughness(np.where(wall, stations.ranges / radius, np.nan)) < _MOST_SCATTER)
-
-
-def _roughness(relative: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return the one-sigma of each ring's readings by how they differ from the one before: a smooth shape adds none."""
-    seen = np.isfinite(relative)
-    place = np.arange(relative.shape[1])
-    before = np.maximum.accumulate(np.where(seen, place, -1), axis=1)
-    before = np.concatenate([np.full((len(seen), 1), -1), before[:, :-1]], axis=1)
-    step = relative - np.take_along_axis(relative, np.maximum(before, 0), axis=1)
-    step = np.abs(np.where(before >= 0, step, np.nan))
-    return 1.4826 / np.sqrt(2.0) * np.nan_to_num(row_median(step), nan=np.inf)
+    scatter = 1.4826 * row_median(np.where(wall, misfit, np.nan))
+    return enough & most & (scatter < _MOST_SCATTER)
 
 
 def shows_wall(stations: Stations, radius: float) -> NDArray[np.bool_]:
     """Return which stations (station,) hold readings that could be wall, whatever else they hold."""
-    return _wall(stations, radius).sum(axis=1) >= 3
+    return (_misfit(stations, radius, (0.0, 0.0)) < _WALL).sum(axis=1) >= 3
 
 
-def _wall(stations: Stations, radius: float) -> NDArray[np.bool_]:
-    """Whether each range is near enough to the typical radius to be wall."""
-    return np.abs(np.nan_to_num(stations.ranges, nan=np.inf) / radius - 1.0) < _WALL
+def _misfit(stations: Stations, radius: float, oval: tuple[float, float]) -> NDArray[np.float64]:
+    """Return how far each range is from the section, in radii; infinite where there is none."""
+    section = 1.0 + oval[0] * np.cos(2.0 * stations.bearings) + oval[1] * np.sin(2.0 * stations.bearings)
+    return np.abs(np.nan_to_num(stations.ranges, nan=np.inf) / radius - section)
 
 
 def longest_stretch(good: NDArray[np.bool_], weight: NDArray, step: float) -> slice:
