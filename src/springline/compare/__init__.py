@@ -3,6 +3,7 @@
 from .features import KINDS, FeatureList, feature_list
 from .match import match, match_any
 from .options import MatchOptions
+from .readers import column_features, pacp_features
 from .result import Drift, Match, Pairs, Span
 
 __all__ = [
@@ -13,7 +14,9 @@ __all__ = [
     "MatchOptions",
     "Pairs",
     "Span",
+    "column_features",
     "feature_list",
     "match",
     "match_any",
+    "pacp_features",
 ]

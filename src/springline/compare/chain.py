@@ -12,15 +12,18 @@ WIDE_SHARE = 0.1
 """Share of readings whose noise is `WIDE` times the usual: miscounted, or misjudged by eye."""
 WIDE = 4.0
 _REACH = 4.5
+_NARROW = 20.0
 _ROOT_TWO_PI = 2.5066282746310002
 
 
 @njit(cache=True, error_model="numpy")
 def density(z, sigma):
     """Return the density [1/m] of a difference of chainages z [m] of the same feature, sd `sigma` [m] with outliers."""
-    t = z / sigma
-    narrow = (1.0 - WIDE_SHARE) * np.exp(-0.5 * t * t)
-    return (narrow + WIDE_SHARE / WIDE * np.exp(-0.5 * t * t / (WIDE * WIDE))) / (_ROOT_TWO_PI * sigma)
+    half = 0.5 * (z / sigma) ** 2
+    found = WIDE_SHARE / WIDE * np.exp(-half / (WIDE * WIDE))
+    if half < _NARROW:
+        found += (1.0 - WIDE_SHARE) * np.exp(-half)
+    return found / (_ROOT_TWO_PI * sigma)
 
 
 @njit(cache=True, error_model="numpy")

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 KINDS = ("joint", "lateral", "bend", "manhole", "defect", "other")
 """Kinds of feature the matcher tells apart; `other` is for what does not fit the rest."""
 
-JOINT = KINDS.index("joint")
+JOINT, MANHOLE = KINDS.index("joint"), KINDS.index("manhole")
 
 
 @dataclass(frozen=True)
@@ -63,6 +63,18 @@ class FeatureList:
             size=self.size[back],
             extent=self.extent,
             name=self.name,
+        )
+
+    def until(self, chainage: float) -> FeatureList:
+        """Return the part up to `chainage` [m]."""
+        part = self.take(self.chainage <= chainage)
+        return FeatureList(
+            part.chainage,
+            part.kind,
+            part.bearing,
+            part.size,
+            (self.extent[0], min(chainage, self.extent[1])),
+            self.name,
         )
 
     def take(self, index: ArrayLike) -> FeatureList:

@@ -19,8 +19,11 @@ if TYPE_CHECKING:
     from .weights import Weights
 
 _COARSE_NOISE, _COARSE_WALK = 0.08, 0.008
+_CELL = 0.9  # of a distance's sigma: sums over a grid this fine equal their integrals to 1e-9
+_HEAD = 800.0  # m that tell which scales are worth the whole list
 _MOST_CELLS = 6000
 _NATS_KEPT = 15.0
+_NATS_LIKELY = 25.0
 _SHARED_COUNT = 6.0
 _FINEST_SCALE = 3e-4
 _STARTS = (1.0, 0.4)
@@ -101,7 +104,7 @@ class Sense:
 
     def grid(self, noise: float) -> Grid:
         """Return the grid of drift that resolves `noise` [m]."""
-        step = max(0.6 * np.sqrt(2.0) * noise, 2.0 * self.limit / _MOST_CELLS)
+        step = max(_CELL * np.sqrt(2.0) * noise, 2.0 * self.limit / _MOST_CELLS)
         shift = self.b.extent[0] - self.a.extent[0]
         return Grid(shift - self.limit, step, int(2.0 * self.limit / step) + 1)
 
@@ -199,14 +202,34 @@ class Sense:
         bridge = np.sqrt(2.0) * (o.noise + o.walk * np.sqrt(length)) / length
         return float(np.clip(bridge, _FINEST_SCALE, 0.3 * o.scale_sigma))
 
-    def coarse(self) -> tuple[np.ndarray, np.ndarray]:
-        """Return odometer scales (k,) all over the prior, and the log evidence of each (k,) with a wide noise."""
+    def coarse(self, within: tuple[np.ndarray, np.ndarray] | None = None) -> tuple[np.ndarray, np.ndarray]:
+        """Return the odometer scales (k,) worth a closer look, and the log evidence of each (k,) with a wide noise.
+
+        All over the prior, or near those `within`, as the head of the lists gave them.
+        """
         o = self.options
         step = 2.0 * self._scale_step()
         reach = int(3.2 * o.scale_sigma / step)
         scales = 1.0 + step * np.arange(-reach, reach + 1)
-        wide = replace(self.start, noise=max(o.noise, _COARSE_NOISE), walk=max(o.walk, _COARSE_WALK))
-        return scales, self.over(scales, wide)
+        if within is not None:
+            apart = np.abs(scales[:, None] - within[0][None, :]).min(axis=1)
+            scales = scales[apart <= np.diff(within[0], append=within[0][-1] + step).max() + 1e-9]
+        return self._likely(scales, self.wide)
+
+    @property
+    def wide(self) -> State:
+        """State with a noise and a walk that hide small faults of the scale."""
+        o = self.options
+        return replace(self.start, noise=max(o.noise, _COARSE_NOISE), walk=max(o.walk, _COARSE_WALK))
+
+    def head(self) -> Sense | None:
+        """Return the sense of the first stretch of long lists; None when they are short."""
+        if min(self.a.length, self.b.length) < 3.0 * _HEAD:
+            return None
+        parts = (f.until(f.extent[0] + _HEAD) for f in (self.a.take(self.laid.seen), self.b))
+        a, b = parts
+        options = replace(self.options, offset_limit=self.limit)
+        return Sense(a, b, options) if min(len(a), len(b)) > 1 else None
 
     def over(self, scales: np.ndarray, state: State) -> np.ndarray:
         """Return the log evidence with the priors (k,) at each of the `scales`."""
@@ -235,24 +258,29 @@ class Sense:
                 steps = {name: factor**0.5 for name, factor in steps.items()}
         return state
 
-    def _best(self, scales: np.ndarray) -> tuple[State, np.ndarray]:
-        """Return the best state of several climbs, and the log evidence (k,) of `scales` with its noise.
+    def _best(self, scales: np.ndarray) -> tuple[State, np.ndarray, np.ndarray]:
+        """Return the best state of several climbs, the `scales` (k,) that carry weight, their log evidence (k,).
 
         A low noise shows the pattern of the joints that tells one joint from the next, a high one bears outliers.
         """
-        best, top, found = self.start, -np.inf, np.empty(0)
-        for share in _STARTS:
+        best, top, found = self.start, -np.inf, (scales, np.empty(0))
+        for share in _STARTS if self.laid.regular else _STARTS[:1]:
             state = replace(self.start, noise=share * self.options.noise)
-            over = self.over(scales, state)
-            for _ in range(_MOST_CLIMBS):
-                scale = float(scales[np.argmax(over)])
-                if abs(scale - state.scale) < 2.0 * self._scale_step() and state.noise != share * self.options.noise:
+            likely, over = self._likely(scales, state)
+            for climb in range(_MOST_CLIMBS):
+                scale = float(likely[np.argmax(over)])
+                if climb and abs(scale - state.scale) < 2.0 * self._scale_step():
                     break
                 state = self.climb(replace(state, scale=scale))
-                over = self.over(scales, state)
+                likely, over = self._likely(likely, state)
             if (reached := self.evidence(state) + self.prior(state)) > top:
-                best, top, found = state, reached, over
-        return best, found
+                best, top, found = state, reached, (likely, over)
+        return best, *found
+
+    def _likely(self, scales: np.ndarray, state: State) -> tuple[np.ndarray, np.ndarray]:
+        over = self.over(scales, state)
+        likely = over > over.max() - _NATS_LIKELY
+        return scales[likely], over[likely]
 
     def fit(self, coarse: tuple[np.ndarray, np.ndarray]) -> Fit:
         """Return the state that fits best and the scales that carry weight; `coarse` as `coarse()` gives it."""
@@ -260,7 +288,7 @@ class Sense:
         step = self._scale_step()
         kept = scales[found > found.max() - _NATS_KEPT]
         fine = np.unique(np.round(np.concatenate((kept - step, kept, kept + step)), 9))
-        state, found = self._best(fine)
+        state, fine, found = self._best(fine)
         near = state.scale + 0.5 * step * np.arange(-2, 3)
         rest = fine[(np.abs(fine - state.scale) > 1.25 * step) & (found > found.max() - _NATS_KEPT)]
         scales = np.concatenate((near, rest))

@@ -12,7 +12,7 @@ from .fit import Sense
 from .options import MatchOptions
 from .placing import Placed, place
 from .result import Drift, Match, Pairs, Span
-from .rival import same_joints
+from .rival import another_pipe
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -59,9 +59,7 @@ def match(a: FeatureList, b: FeatureList, options: MatchOptions | None = None) -
                 mend="add joints, laterals or manholes to the list",
             )
     senses = Sense(a, b, options), Sense(a, b.mirrored(), options)
-    coarse = [s.coarse() for s in senses]
-    tops = [found.max() for _, found in coarse]
-    fits = [s.fit(c) if top > max(tops) - _HOPELESS else None for s, c, top in zip(senses, coarse, tops, strict=True)]
+    fits = _fits(senses)
     totals = np.array([f.total if f else -np.inf for f in fits])
     best = int(totals[1] > totals[0])
     sense, fit = senses[best], fits[best]
@@ -71,6 +69,22 @@ def match(a: FeatureList, b: FeatureList, options: MatchOptions | None = None) -
     return _result(a, b, options, bool(best), direction, same, fit, placed)
 
 
+def _fits(senses: tuple[Sense, Sense]) -> list[Fit | None]:
+    """Return the fit of each sense of travel; None for one that is hopeless beside the other."""
+    likely: list[tuple[np.ndarray, np.ndarray] | None] = [None, None]
+    heads = [s.head() for s in senses]
+    if all(heads):
+        likely = _worth([head.coarse() for head in heads])
+    looked = [s.coarse(within=one) if one or not all(heads) else None for s, one in zip(senses, likely, strict=True)]
+    return [one and s.fit(one) for s, one in zip(senses, _worth(looked), strict=True)]
+
+
+def _worth(coarse: list[tuple[np.ndarray, np.ndarray] | None]) -> list[tuple[np.ndarray, np.ndarray] | None]:
+    """Return those of the scales and log evidences of both senses that are not hopeless."""
+    top = max(one[1].max() for one in coarse if one)
+    return [one if one and one[1].max() > top - _HOPELESS else None for one in coarse]
+
+
 def match_any(a: FeatureList, others: Sequence[FeatureList], options: MatchOptions | None = None) -> list[Match]:
     """Return the match of `a` with each of `others`, in their order: one tally against many."""
     return [match(a, b, options) for b in others]
@@ -78,7 +92,7 @@ def match_any(a: FeatureList, others: Sequence[FeatureList], options: MatchOptio
 
 def _probability_same(sense: Sense, fit: Fit, total: float) -> float:
     """Return the posterior of one pipe against the better of its rivals; `total` is the log evidence of one pipe."""
-    rival = max(0.0, same_joints(sense, fit))
+    rival = another_pipe(sense, fit)
     prior = sense.options.prior_same
     odds = total - rival + np.log(prior / (1.0 - prior))
     return float(1.0 / (1.0 + np.exp(-np.clip(odds, -700.0, 700.0))))

@@ -15,7 +15,7 @@ _MOST_LENGTHS = 8
 
 
 def joint_module(features: FeatureList) -> tuple[float, float]:
-    """Return the distance between joints [m] and its standard deviation [m]; NaN with fewer than four joints.
+    """Return the distance between joints [m] and its standard deviation [m]; NaN when too few joints show it.
 
     The median of the distances is taken for one pipe's length; only distances near it count, so that a missed joint
     (twice the length) or a false one (a part of it) does not.
@@ -30,6 +30,8 @@ def joint_module(features: FeatureList) -> tuple[float, float]:
     gaps = np.diff(x)
     module = float(np.median(gaps))
     near = gaps[np.abs(gaps - module) < 0.3 * module]
+    if near.size < _FEWEST_JOINTS - 1:
+        return np.nan, np.nan
     return module, float(1.4826 * np.median(np.abs(near - np.median(near))))
 
 
@@ -51,6 +53,20 @@ class Laid:
     module: float
     spacing: float
 
+    @property
+    def regular(self) -> bool:
+        """Whether the joints lie on a lattice."""
+        return is_regular(self.module, self.spacing)
+
+
+def is_regular(module: float, spacing: float) -> bool:
+    """Return whether distances between joints [m] scatter so little that missing joints can be counted.
+
+    >>> is_regular(2.5, 0.01), is_regular(float("nan"), float("nan"))
+    (True, False)
+    """
+    return bool(np.isfinite(module) and spacing < _REGULAR * module)
+
 
 def laid(features: FeatureList) -> Laid:
     """Return the list with its unseen joints, where the joints are regular and a gap is a multiple of their module.
@@ -64,7 +80,7 @@ def laid(features: FeatureList) -> Laid:
     """
     module, spacing = joint_module(features)
     x, variance = np.empty(0), np.empty(0)
-    if np.isfinite(module) and spacing < _REGULAR * module:
+    if is_regular(module, spacing):
         x, variance = _unseen(features.chainage[features.kind == JOINT], module, spacing)
     none = np.full(x.size, np.nan)
     order = np.argsort(np.concatenate((features.chainage, x)), kind="stable")

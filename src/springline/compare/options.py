@@ -55,7 +55,7 @@ class MatchOptions:
     shared: dict[str, float] = field(default_factory=lambda: dict(_SHARED))
     prior_same: float = 0.5
     accept_same: float = 0.9
-    accept_pair: float = 0.5
+    accept_pair: float = 0.8
     sigma_limit: float = 0.5
 
     def __post_init__(self) -> None:
@@ -80,7 +80,8 @@ class MatchOptions:
             slip_rate=0.01,
             slip_scale=0.6,
             offset_scale=0.5,
-            bearing_sigma=0.3,
+            bearing_sigma=0.22,
+            bearing_outliers=0.0003,
             sigma_limit=1.2,
         )
 

@@ -14,6 +14,8 @@ _LEAST_WEIGHT = 0.01
 _MOST_SCALES = 12
 _HALF_MODE = 1.2
 _HALF_MODULE = 0.4
+_LEAST_DOUBT = 1e-9
+_CLAIM_SLACK = 0.01
 
 
 @dataclass(frozen=True)
@@ -51,7 +53,19 @@ def place(sense: Sense, fit: Fit) -> Placed:
     x, keep = np.unique(sense.a.chainage, return_index=True)
     o = sense.options
     spread = fit.state.walk**2 + 2.0 * o.slip_rate * o.slip_scale**2
-    return Placed(index_a, index_b, share, residual, x, y[keep], sigma[keep], probability[keep], spread)
+    nodes = _to_ends(sense, fit.state.scale, spread, np.array([x, y[keep], sigma[keep], probability[keep]]))
+    return Placed(index_a, index_b, share, residual, *nodes, spread)
+
+
+def _to_ends(sense: Sense, scale: float, spread: float, nodes: np.ndarray) -> np.ndarray:
+    """Return nodes (4, n) of chainage in A and B, sigma and probability, carried on to the ends of A."""
+    for end, at in ((sense.a.extent[0], 0), (sense.a.extent[1], nodes.shape[1])):
+        x, y, sigma, probability = nodes[:, min(at, nodes.shape[1] - 1)]
+        if x == end:
+            continue
+        further = [end, y + scale * (end - x), np.sqrt(sigma**2 + spread * abs(end - x)), probability]
+        nodes = np.insert(nodes, at if at == 0 else nodes.shape[1], further, axis=1)
+    return nodes
 
 
 def _half_mode(sense: Sense) -> float:
@@ -90,8 +104,8 @@ def _mix(modes: np.ndarray, weights: np.ndarray, half: float) -> tuple[np.ndarra
 
 
 def _choose(shares: np.ndarray, seen: np.ndarray, least: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Return the pairs (k,), (k,) and their probability (k,): every seen feature of A and every one of B at most once."""
-    shares = shares / np.maximum(shares.sum(axis=0, keepdims=True), 1.0)
+    """Return the pairs (k,), (k,) and their probability (k,): each seen feature of A and each of B at most once."""
+    shares = _exclusive(shares)
     i, j = np.nonzero((shares >= least) & seen[:, None])
     order = np.argsort(shares[i, j], kind="stable")[::-1]
     used_a, used_b, kept = set(), set(), []
@@ -102,3 +116,14 @@ def _choose(shares: np.ndarray, seen: np.ndarray, least: float) -> tuple[np.ndar
             kept.append(k)
     kept = np.array(sorted(kept, key=lambda k: (i[k], j[k])), dtype=np.int64)
     return i[kept], j[kept], np.minimum(shares[i[kept], j[kept]], 1.0)
+
+
+def _exclusive(shares: np.ndarray) -> np.ndarray:
+    """Return pair probabilities (n, m) in which a feature of B claimed by several of A is shared out by their odds.
+
+    The chain lets two neighbours in A take the same feature of B; one of them is false.
+    """
+    p = np.clip(shares, 0.0, 1.0 - _LEAST_DOUBT)
+    odds = p / (1.0 - p)
+    claimed = shares.sum(axis=0) > 1.0 + _CLAIM_SLACK
+    return np.where(claimed, odds / np.maximum(odds.sum(axis=0), _LEAST_DOUBT), np.minimum(shares, 1.0))

@@ -110,9 +110,9 @@ class Match:
         return self.accepted
 
     def reliable(self, chainage: np.ndarray) -> np.ndarray:
-        """Return whether `chainage` in A [m] (any shape) lies in no flagged stretch."""
+        """Return whether `chainage` in A [m] (any shape) has a place in B and lies in no flagged stretch."""
         x = np.asarray(chainage, dtype=np.float64)
-        flagged = np.zeros(x.shape, bool)
+        flagged = np.isnan(self.drift.at(x)[0])
         for span in self.flagged:
             flagged |= (x >= span.start) & (x <= span.end)
         return ~flagged

@@ -1,0 +1,96 @@
+"""Real repeat inspections of US sewers, coded by eye, beside the checkout; nothing of them is copied."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from springline.compare import KINDS, FeatureList, Match, MatchOptions, match, pacp_features
+from springline.conventions import clock_from_bearing
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+FOLDER = Path(__file__).resolve().parents[1] / ".." / "shared" / "data" / "pacp-repeat-inspections"
+FOOT = 0.3048
+REACH, HOUR = 4.0 * FOOT, 1.01
+TAP = KINDS.index("lateral")
+
+
+@dataclass(frozen=True)
+class Repeat:
+    """Two inspections of one pipe, and whether the second is recorded as driven from the other end."""
+
+    a: FeatureList
+    b: FeatureList
+    other_end: bool
+
+
+def repeats(least_taps: int = 0, every: int = 1) -> Iterator[Repeat]:
+    """Yield the repeat pairs with at least so many taps in both, every so many of them."""
+    import pandas as pd
+
+    rows = pd.read_csv(FOLDER / "Conditions.csv", dtype=str)
+    tables = dict(list(rows.groupby("InspectionID")))
+    pairs = pd.read_csv(FOLDER / "derived_repeat_pairs.csv")
+    pairs = pairs[(pairs.taps_1 >= least_taps) & (pairs.taps_2 >= least_taps)].iloc[::every]
+    for row in pairs.itertuples():
+        numbers = str(row.inspection_id_1), str(row.inspection_id_2)
+        a, b = (pacp_features(tables[n], n, sort=True) for n in numbers)
+        yield Repeat(a, b, row.direction == "reversed")
+
+
+def taps(features: FeatureList) -> int:
+    """Return the number of taps."""
+    return int((features.kind == TAP).sum())
+
+
+def hours_apart(a: FeatureList, b: FeatureList, found: Match) -> np.ndarray:
+    """Return the difference of clock of each pair [h], B's clock seen along A's travel."""
+    bearing = b.bearing[found.pairs.index_b]
+    if found.reversed:
+        bearing = np.pi - bearing
+    turn = clock_from_bearing(a.bearing[found.pairs.index_a]) - clock_from_bearing(bearing)
+    return np.abs(np.mod(turn + 6.0, 12.0) - 6.0)
+
+
+def good_taps(one: Repeat, found: Match) -> int:
+    """Return how many pairs of taps lie within 4 ft and one clock hour."""
+    tap = one.a.kind[found.pairs.index_a] == TAP
+    near = (np.abs(found.pairs.residual) <= REACH) & (hours_apart(one.a, one.b, found) <= HOUR)
+    return int((tap & near).sum())
+
+
+def left_out(one: Repeat, found: Match, options: MatchOptions) -> np.ndarray:
+    """Return (k, 4) per pair of taps: its probability; distance [m] to where the match without both puts it; that of a
+    scaling by length; its difference of clock [h]."""
+    rows = []
+    hours = hours_apart(one.a, one.b, found)
+    for k, (i, j) in enumerate(zip(found.pairs.index_a, found.pairs.index_b, strict=True)):
+        if one.a.kind[i] != TAP:
+            continue
+        a, b = (f.take(np.arange(len(f)) != n) for f, n in ((one.a, i), (one.b, j)))
+        if len(a) < 2 or len(b) < 2:
+            continue
+        again = match(a, b, options)
+        share = (one.a.chainage[i] - one.a.extent[0]) / one.a.length
+        scaled = one.b.extent[0] + one.b.length * (1.0 - share if found.reversed else share)
+        place = float(again.drift.at(one.a.chainage[i])[0])
+        rows.append((found.pairs.probability[k], place - one.b.chainage[j], scaled - one.b.chainage[j], hours[k]))
+    return np.array(rows).reshape(-1, 4)
+
+
+def hidden(one: Repeat, found: Match, options: MatchOptions, rng: np.random.Generator) -> tuple[int, int]:
+    """Return right and given pairs of taps when a fifth of B's taps are hidden; right as in the full match."""
+    keep = np.flatnonzero((one.b.kind != TAP) | (rng.random(len(one.b)) > 0.2))
+    if len(keep) < 2:
+        return 0, 0
+    again = match(one.a, one.b.take(keep), options)
+    full = dict(zip(found.pairs.index_a.tolist(), found.pairs.index_b.tolist(), strict=True))
+    tap = one.a.kind[again.pairs.index_a] == TAP
+    pairs = zip(again.pairs.index_a[tap].tolist(), keep[again.pairs.index_b[tap]].tolist(), strict=True)
+    right = [full.get(i) == j for i, j in pairs]
+    return sum(right), len(right)

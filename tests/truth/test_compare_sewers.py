@@ -1,0 +1,41 @@
+"""Matches of real repeat inspections; the whole set is in bench/compare.py."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from bench import _compare_sewers as sewers
+
+from springline.compare import MatchOptions, match
+
+pytestmark = [
+    pytest.mark.shared,
+    pytest.mark.skipif(not sewers.FOLDER.exists(), reason="../shared/data/pacp-repeat-inspections is absent"),
+]
+
+
+@pytest.fixture(scope="module")
+def found():
+    """Every eighth pair with three taps or more in both inspections."""
+    return [(one, match(one.a, one.b, MatchOptions.cctv())) for one in sewers.repeats(3, 8)]
+
+
+def test_direction(found):
+    assert np.mean([m.reversed == one.other_end for one, m in found]) >= 0.96
+
+
+def test_taps_within_four_feet_and_an_hour(found):
+    given = sum(sewers.good_taps(one, m) for one, m in found)
+    assert given / sum(min(sewers.taps(one.a), sewers.taps(one.b)) for one, _ in found) >= 0.92
+
+
+def test_a_tap_left_out_lands_nearer_than_by_scaling(found):
+    rows = np.concatenate([sewers.left_out(one, m, MatchOptions.cctv()) for one, m in found[::2]])
+    apart, scaled = np.nanmedian(np.abs(rows[:, 1:3]), axis=0) / sewers.FOOT
+    assert apart <= 0.25 < scaled
+
+
+def test_hidden_taps_leave_the_rest_right(found):
+    rng = np.random.default_rng(3)
+    right, given = np.sum([sewers.hidden(one, m, MatchOptions.cctv(), rng) for one, m in found], axis=0)
+    assert right / given >= 0.98

@@ -1,0 +1,94 @@
+"""Matches of small lists, and lists that cannot be matched."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from springline.compare import Drift, MatchOptions, feature_list, match, match_any
+from springline.errors import InputError, ParameterError
+
+
+@pytest.fixture(scope="module")
+def pipe():
+    rng = np.random.default_rng(2)
+    x = np.sort(rng.uniform(0, 90, 14))
+    kind = ["lateral"] * 14
+    return feature_list(x, kind, bearing=rng.choice([0.1, 1.5, 3.0], 14), extent=(0.0, 92.0), name="A")
+
+
+def test_a_list_matches_itself_one_to_one(pipe):
+    found = match(pipe, pipe)
+    np.testing.assert_array_equal(found.pairs.index_a, np.arange(14))
+    np.testing.assert_array_equal(found.pairs.index_b, np.arange(14))
+    assert not found.reversed
+    np.testing.assert_allclose(found.drift.at(pipe.chainage)[0], pipe.chainage, atol=0.02)
+
+
+def test_from_the_other_end_indices_and_chainages_are_b_s_own(pipe):
+    b = pipe.mirrored()
+    found = match(pipe, b)
+    assert found.reversed
+    np.testing.assert_array_equal(found.pairs.index_b, 13 - found.pairs.index_a)
+    place, sigma = found.drift.at(pipe.chainage)
+    np.testing.assert_allclose(place, 92.0 - pipe.chainage, atol=0.02)
+    assert (np.abs(place - b.chainage[::-1]) < 3 * sigma).all()
+    np.testing.assert_allclose(found.pairs.residual, b.chainage[found.pairs.index_b] - place, atol=1e-9)
+
+
+def test_the_roles_can_be_swapped(pipe):
+    b = pipe.take(np.arange(14) != 5)
+    there, back = match(pipe, b), match(b, pipe)
+    np.testing.assert_array_equal(there.pairs.index_a, back.pairs.index_b)
+    np.testing.assert_array_equal(there.pairs.index_b, back.pairs.index_a)
+    assert 5 not in there.pairs.index_a
+
+
+def test_a_single_feature_is_refused(pipe):
+    with pytest.raises(InputError, match="B: it holds a single feature"):
+        match(pipe, feature_list([3.0], "joint", name="B"))
+
+
+def test_one_against_many_finds_its_own(pipe):
+    rng = np.random.default_rng(8)
+    others = [
+        feature_list(np.sort(rng.uniform(0, 90, 14)), "lateral", bearing=rng.choice([0.1, 1.5, 3.0], 14))
+        for _ in range(2)
+    ]
+    said = match_any(pipe, [others[0], pipe.mirrored(), others[1]])
+    assert [bool(m) for m in said] == [False, True, False]
+    for refused in (said[0], said[2]):
+        assert "do not show" in refused.reason
+        assert len(refused.pairs) == 0
+        assert np.isnan(refused.drift.at(10.0)[0])
+        assert not refused.reliable(10.0)
+
+
+def test_a_stretch_that_b_has_not_seen_is_flagged(pipe):
+    kept = pipe.chainage < 60.0
+    b = feature_list(pipe.chainage[kept], "lateral", bearing=pipe.bearing[kept], extent=(0.0, 60.0))
+    found = match(pipe, b)
+    assert found
+    assert not found.reliable(80.0)
+    assert found.reliable(30.0)
+    assert {s.reason for s in found.flagged} & {"not inspected by both", "more than one place is likely"}
+
+
+def test_joints_alone_of_equal_lengths_are_never_sure():
+    a = feature_list(2.5 * np.arange(40), "joint")
+    b = feature_list(2.5 * np.arange(38) + 0.02, "joint")
+    found = match(a, b)
+    assert not found or not found.reliable(a.chainage).any()
+
+
+def test_drift_between_nodes_is_less_sure_than_at_them():
+    drift = Drift(np.array([0.0, 10.0]), np.array([0.0, 10.0]), np.array([0.01, 0.01]), np.ones(2), 1e-4)
+    sigma = drift.at(np.array([0.0, 5.0, 10.0]))[1]
+    assert sigma[1] > sigma[0] == sigma[2]
+    assert np.isnan(drift.at(np.array([-0.1, 10.1]))[0]).all()
+
+
+@pytest.mark.parametrize("name", ["noise", "walk", "accept_same"])
+def test_options_out_of_range_are_named(name):
+    with pytest.raises(ParameterError, match=f"{name} is -1"):
+        MatchOptions(**{name: -1.0})
