@@ -105,6 +105,7 @@ def test_what_is_said(found):
     assert "at 80 of 125 stations" in warning
     assert "12 o'clock" in warning or "11.9 o'clock" in warning
     assert "user's word" in found.assumptions[-1]
+    assert "at most 0.01 %" in found.assumptions[-1]
     assert found.section.attrs["liner_kind"] == "proposed"
 
 
@@ -153,3 +154,13 @@ def test_the_chain_looks_for_lobes_when_asked():
     result = sl.inspect(sl.read(sl.builtin_survey()), FIT)
     assert "liner_lobe" in result.section
     assert result.has("metrics")
+
+
+def test_the_flag_of_the_command_line_asks_for_them(tmp_path):
+    from springline.cli.inspect import _settings
+
+    config = tmp_path / "config.toml"
+    config.write_text('[liner]\nkind = "smooth"\n')
+    asked = _settings(config, None, liner=True).liner
+    assert (asked.fit, asked.kind) == (True, "smooth")
+    assert not _settings(config, None, liner=False).liner.fit
