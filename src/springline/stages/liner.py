@@ -91,8 +91,8 @@ def _explain(survey: Survey, found: dict[str, np.ndarray], settings: LinerConfig
     lobed = found["liner_lobe"] == 1
     survey = add_assumption(
         survey,
-        "Lobes of a liner are looked for on the user's word that there is one. A station without a lobe is said to show "
-        f"one in at most {100 * settings.false_alarm:g} % of all cases; a hinge or a deposit may look like one.",
+        "Lobes of a liner are looked for on the user's word that there is one. A station without a lobe is said to "
+        f"show one in at most {100 * settings.false_alarm:g} % of all cases; a hinge or a deposit may look like one.",
     )
     if not lobed.any():
         return survey
