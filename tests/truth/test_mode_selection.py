@@ -85,6 +85,15 @@ def test_named_classes_are_right_and_few_are_left_undecided(trial):
     assert np.mean(~named) <= 0.30, confusion
 
 
+def test_the_posterior_is_no_worse_than_its_baseline(trial):
+    modes, _, found = trial
+    fitted = np.isfinite(found.probability).all(axis=1)
+    by_posterior = found.probability[fitted].argmax(axis=1) == modes[fitted]
+    by_criterion = found.bic[fitted].argmin(axis=1) == modes[fitted]
+    assert by_criterion.mean() > 0.85
+    assert by_posterior.mean() > by_criterion.mean() - 0.005
+
+
 def test_the_posterior_is_honest(trial):
     modes, _, found = trial
     fitted = np.isfinite(found.probability).all(axis=1)

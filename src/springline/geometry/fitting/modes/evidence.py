@@ -114,7 +114,22 @@ def likely_section(low, high, stride, table, first, step, form, line, work, sect
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def posterior(
-    likely, base, table, edges, severity, chord2, least, first, step, form, line, lowest, work, weights, moments
+    likely,
+    base,
+    table,
+    edges,
+    severity,
+    chord2,
+    least,
+    first,
+    step,
+    form,
+    line,
+    lowest,
+    work,
+    weights,
+    moments,
+    closest,
 ):
     """Fill the evidence of every class and the moments of its severities; return the smallest misfit found.
 
@@ -128,11 +143,14 @@ def posterior(
         work: Of `workspace`, two wider than the table's fractions.
         weights: (CLASS_COUNT,) output: evidence over a common factor.
         moments: (CLASS_COUNT, 4, 2) output: sums of s1, s2, s02, s01 and of their squares, by evidence.
+        closest: (CLASS_COUNT,) output: smallest misfit of each class.
     """
     base = min(base, 0.0)
     stride = _axis_sigma(likely, base, table, first, step, form, line, work) / 1.5
     last = first + step * (table.shape[0] - 1)
     weights[:], moments[:] = 0.0, 0.0
+    closest[:] = np.inf
+    closest[0] = 0.0
     weights[0] = math.exp(0.5 * base)
     moments[0] = weights[0]
     best = 0.0
@@ -145,7 +163,7 @@ def posterior(
                 break
             deepest = _sum_at(
                 axis, stride, table, edges, severity, chord2, least, first, step, form, line, base, lowest, work,
-                weights, moments,
+                weights, moments, closest,
             )  # fmt: skip
             best = min(best, deepest)
             if deepest - base > _NEGLIGIBLE:
@@ -169,8 +187,9 @@ def _axis_sigma(likely, base, table, first, step, form, line, work):
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def _sum_at(
-    axis, stride, table, edges, severity, chord2, least, first, step, form, line, base, lowest, work, weights, moments
-):
+    axis, stride, table, edges, severity, chord2, least, first, step, form, line, base, lowest, work, weights, moments,
+    closest,
+):  # fmt: skip
     """Add what one OA gives to every class; return the smallest misfit there."""
     halves, top, bottom, cross = work
     count = _rows(table, axis, first, step, 1, halves)
@@ -209,6 +228,7 @@ def _sum_at(
             s1 = crown[lower]
             if s1 < lowest or s1 <= 0.0 or crown[upper] <= 0.0:
                 continue
+            closest[kind] = min(closest[kind], misfit)
             if kind in (1, 3, 6):
                 density = by_ellipse
             elif kind == 2:

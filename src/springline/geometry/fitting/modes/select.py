@@ -34,6 +34,8 @@ _UPSIDE_DOWN = {6: 3, 7: 4, 8: 5}
 _ROUNDS = 3
 _NEAR = 4e-3
 _CHUNK = 256
+_SEVERITIES = np.array([0, 1, 1, 1, 2, 3])
+"""Free severities of the circle and of modes 1 to 5."""
 
 
 @dataclass(frozen=True)
@@ -70,6 +72,8 @@ class ModeSelection:
         misfit: (ring,) about 1 when a mode describes the ring. The larger of two: chi-square per spare degree of
             freedom by which the likeliest section fits worse than a free symmetric shape, and the variance about that
             shape over the variance between neighbouring readings.
+        bic: (ring, 6) Bayesian information criterion of `CLASSES`, over a common constant: the baseline, which counts
+            parameters and forgets that modes meet at their limits; inf for a class that is far off.
         reason: why a ring is undecided; empty otherwise.
     """
 
@@ -82,6 +86,7 @@ class ModeSelection:
     centre: NDArray[np.float64]
     noise: NDArray[np.float64]
     misfit: NDArray[np.float64]
+    bic: NDArray[np.float64]
     reason: tuple[str, ...]
 
     @property
@@ -151,18 +156,21 @@ class _Results:
     weights: NDArray[np.float64]
     moments: NDArray[np.float64]
     place: NDArray[np.float64]
-    """centre z, centre y, radius, noise [m], misfit per spare degree of freedom."""
+    """centre z, centre y, radius, noise [m], misfit per spare degree of freedom, readings used."""
+    closest: NDArray[np.float64]
+    """Smallest misfit of each class, over a common constant."""
 
     @classmethod
     def empty(cls, rings: int) -> _Results:
         return cls(
             np.full((rings, CLASS_COUNT), np.nan),
             np.full((rings, CLASS_COUNT, 4, 2), np.nan),
-            np.full((rings, 5), np.nan),
+            np.full((rings, 6), np.nan),
+            np.full((rings, CLASS_COUNT), np.nan),
         )
 
     def rows(self, rows: slice) -> tuple[NDArray[np.float64], ...]:
-        return self.weights[rows], self.moments[rows], self.place[rows]
+        return self.weights[rows], self.moments[rows], self.place[rows], self.closest[rows]
 
 
 def _select_rings(z, y, ellipses, prior: ModePrior, results) -> None:
@@ -177,7 +185,7 @@ def _select_rings(z, y, ellipses, prior: ModePrior, results) -> None:
 @njit(cache=True, nogil=True, error_model="numpy")
 def _rings_kernel(
     z, y, ellipses, shapes, table, edges, severity, chord2, least, first, step, lowest, turn_sigma, least_noise,
-    weights, moments, place,
+    weights, moments, place, closest,
 ):  # fmt: skip
     kinds, readings = shapes.shape[0], z.shape[1]
     design, half, value = np.empty((readings, kinds + LOOSE)), np.empty(readings, np.int64), np.empty(readings)
@@ -195,7 +203,7 @@ def _rings_kernel(
         if count < 2 * kinds + 16:
             continue
         weight[:] = 1.0
-        noise, _used, free = reject_outliers(design[:count], half[:count], value[:count], weight[:count])
+        noise, used, free = reject_outliers(design[:count], half[:count], value[:count], weight[:count])
         believed = max(noise, least_noise)
         low, high, stride = first, last, 8
         for turn in range(_ROUNDS):
@@ -212,13 +220,22 @@ def _rings_kernel(
                 low, high, stride = max(likely - _NEAR, first), min(likely + _NEAR, last), 4
         best = posterior(
             likely, base, table, edges, severity, chord2, least, first, step, form, line, lowest, work,
-            weights[ring], moments[ring],
+            weights[ring], moments[ring], closest[ring],
         )  # fmt: skip
         place[ring, 0], place[ring, 1], place[ring, 2], place[ring, 3] = centre_z, centre_y, radius, noise * radius
+        place[ring, 5] = used
         beyond_free = max(noise, least_noise) / max(neighbour_noise(value[:count]), least_noise)
         place[ring, 4] = max(
             (best + constant - free / (believed * believed)) / (2 * kinds - 4), beyond_free * beyond_free
         )
+
+
+def _bic(results: _Results) -> NDArray[np.float64]:
+    """Return misfit + parameters x log(readings) of the circle and modes 1 to 5, the better of both ways up."""
+    both = results.closest[:, :6].copy()
+    for down, up in _UPSIDE_DOWN.items():
+        both[:, up] = np.minimum(both[:, up], results.closest[:, down])
+    return both + _SEVERITIES * np.log(results.place[:, 5:6])
 
 
 def _decide(results: _Results, prior: ModePrior, least_probability: float, most_misfit: float) -> ModeSelection:
@@ -252,5 +269,6 @@ def _decide(results: _Results, prior: ModePrior, least_probability: float, most_
         centre=results.place[:, :2],
         noise=results.place[:, 3],
         misfit=misfit,
+        bic=_bic(results),
         reason=reason,
     )
