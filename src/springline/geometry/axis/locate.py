@@ -29,7 +29,7 @@ _MOST_DOUBT = 0.5
 _LEAST_SHARE, _LEAST_SHARE_IN_DOUBT = 0.5, 0.2
 """Share of what a station shows that must be wall, in a clear pipe and where it is in doubt what is wall."""
 _TOLERANCE = 0.04
-_SAMPLE, _THINNED = 300_000, 60_000
+_SAMPLE, _THINNED = 150_000, 60_000
 _BEND_GAIN = 2.0
 """A trace longer than the straight stretch by this many radii shows that the pipe bends, or that the trace strayed."""
 _CLEARLY = 1.1

@@ -103,7 +103,7 @@ def pool_sections(
         ranges: (ring, bearing) from the axis to the wall [m]; NaN = no return.
         bearings: (bearing,) at equal steps, from +z counter-clockwise [rad].
         distance: (ring,) position along the axis, at about equal steps [m].
-        radius: About what it will be [m]; the median range when not given.
+        radius: About what it will be [m]; where ranges are densest when not given.
 
     Raises:
         InputError: Too little of the wall was seen for a section.
@@ -120,10 +120,18 @@ def pool_sections(
     seen = np.isfinite(ranges)
     if seen.sum() < _LEAST:
         raise _too_little(int(seen.sum()))
-    typical = radius or float(np.median(ranges[seen]))
+    typical = radius or _densest(ranges[seen])
     relative = np.where(np.abs(ranges / typical - 1.0) < _GATE, ranges / typical, np.nan)
     middle = float(np.average(distance, weights=np.isfinite(relative).sum(axis=1) + 1e-12))
     return _Pool(relative, np.asarray(bearings), (np.asarray(distance) - middle) / typical).solve(typical, middle)
+
+
+def _densest(ranges: NDArray[np.float64]) -> float:
+    """Return the median of the ranges that lie in the densest band about a third of its middle wide [m]."""
+    ordered = np.sort(ranges)
+    last = np.searchsorted(ordered, ordered * (1.0 + _GATE) / (1.0 - _GATE), side="right")
+    first = int(np.argmax(last - np.arange(len(ordered))))
+    return float(np.median(ordered[first : last[first]]))
 
 
 def sector_of(bearings: NDArray[np.floating]) -> NDArray[np.int64]:
@@ -217,7 +225,7 @@ class _Pool:
 
         told = self._patches(weight)
         patches = float(told.sum() ** 2 / (told**2).sum())
-        if patches <= 3.0:
+        if patches <= 1.5:
             raise _too_little(int((weight > 0).sum()))
         # Few patches know their own scatter badly: Student's t widens the interval that 1.96 sigma stands for.
         widen = float(t.ppf(0.975, max(patches - 3.0, 1.0))) / 1.96

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from springline.geometry.axis.centreline import Placed
     from springline.geometry.axis.cylinder import Cylinder
 
-_STEPS, _STILL, _PASSES, _POLISH = 6, 5e-4, 4, 40
+_STEPS, _STILL, _PASSES, _POLISH = 6, 5e-4, 3, 40
 _FINE, _COARSE, _CURVE = 0.1, 0.5, 0.25
 """Spacing of the rings on which a straight axis, the stretch and a curved axis are settled, in radii."""
 _WALL = 0.15
@@ -160,7 +160,7 @@ def _station_of(along: NDArray, distance: NDArray) -> tuple[NDArray[np.int64], N
 
 def _spread(size: NDArray, station: NDArray, number: int) -> NDArray[np.float64]:
     """Return the robust one-sigma of each station from the sizes of its points' misfits."""
-    order = np.lexsort((size, station))
+    order = np.argsort(station + size * (0.999 / max(float(size.max()), 1e-300)))
     total = np.bincount(station, minlength=number)
     middle = np.minimum(np.cumsum(total) - total + total // 2, len(size) - 1)
     return 1.4826 * size[order][middle]

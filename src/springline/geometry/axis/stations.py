@@ -86,7 +86,7 @@ def _mean_departure(departure: NDArray, cell: NDArray, bearings: int, count: NDA
     The median alone jumps between the few values of a quantised depth when a single point enters the cell.
     """
     size, station = np.abs(departure), cell // bearings
-    order = np.lexsort((size, station))
+    order = np.argsort(station + size * (0.999 / max(float(size.max(initial=0.0)), 1e-300)))
     total = np.bincount(station, minlength=len(count) // bearings)
     middle = np.cumsum(total) - total + total // 2
     scale = np.zeros(len(total))
