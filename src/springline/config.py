@@ -97,6 +97,13 @@ class MetricsConfig(_Settings):
     """Dref of deflection and losses: the base diameter when known, else the nominal one, unless stated."""
 
 
+class OutputsConfig(_Settings):
+    """What people read."""
+
+    units: Literal["si", "us"] = "si"
+    """Metric units, or inches and feet in report and tables."""
+
+
 class Config(_Settings):
     """All settings of an inspection."""
 
@@ -106,6 +113,7 @@ class Config(_Settings):
     estimate: EstimateConfig = EstimateConfig()
     liner: LinerConfig = LinerConfig()
     metrics: MetricsConfig = MetricsConfig()
+    outputs: OutputsConfig = OutputsConfig()
 
 
 def load_config(path: str | Path) -> Config:

@@ -71,6 +71,7 @@ ROOT_ATTRIBUTES = {
     "provenance": "JSON: program version, resolved configuration, input files with their sha256",
     "chunks": "all: every chunk was written, so that a missing one is damage",
     "rules": "JSON list of verdicts: rule, edition, verdict, where",
+    "overrides": "JSON list of corrections made by people: action, what, author, date, reason, change, effect",
     "warnings": "JSON list of what the user must know",
     "assumptions": "JSON list of what was assumed while reading: units, bearing zero and sense, up direction",
 }

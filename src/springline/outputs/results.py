@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
     from ..survey import Survey
+    from .units import System
 
 _RING_BLOCK = 2048
 _UNSEEN_COVERAGE = 0.5
@@ -204,6 +205,11 @@ class Results:
     def provenance(self) -> dict[str, Any]:
         """Program version, resolved configuration and input files."""
         return json.loads(self.survey.attrs.get("provenance", "{}"))
+
+    @property
+    def units(self) -> System:
+        """System of units in which people read the results: that of the run's configuration."""
+        return self.provenance.get("config", {}).get("outputs", {}).get("units", "si")
 
     @cached_property
     def circle_diameter(self) -> float:

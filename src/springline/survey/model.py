@@ -120,6 +120,15 @@ class Survey:
         """What was assumed while reading, in plain sentences."""
         return json.loads(self._attrs.get("assumptions", "[]"))
 
+    @property
+    def overrides(self) -> list[dict[str, str]]:
+        """Corrections that people made: each with `action`, `what`, `author`, `date`, `reason` and, once an inspection
+        has applied it, `effect`; all plain sentences or words."""
+        return [
+            {key: value for key, value in one.items() if key != "change"}
+            for one in json.loads(self._attrs.get("overrides", "[]"))
+        ]
+
     def __repr__(self) -> str:
         sizes = ", ".join(
             f"{name} ({', '.join(f'{d} {n}' for d, n in self._groups[name].sizes.items())})" for name in self.groups
