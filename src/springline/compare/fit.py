@@ -127,6 +127,10 @@ class Sense:
         norm = np.log(np.pi * self.options.offset_scale / grid.step)
         return np.exp(begin - tops[0]), np.exp(finish - tops[1]), float(sum(tops)) - norm
 
+    def telling(self, state: State) -> float:
+        """Return how well spacing alone tells a joint from the next: 1 = noise is nothing beside it, 0 = not at all."""
+        return 1.0 - 2.0 * state.noise**2 / max(self.laid.spacing**2, 1e-12)
+
     def _sigma(self, state: State, grid: Grid) -> np.ndarray:
         """Return (n,) one-sigma of the distance of each feature to its partner [m].
 
@@ -136,10 +140,8 @@ class Sense:
         """
         plain = np.hypot(np.sqrt(2.0) * state.noise, 0.3 * grid.step)
         sigma = np.full(len(self.a), plain)
-        spacing = self.laid.spacing
-        if state.tempered and np.isfinite(spacing):
-            power = max(1.0 - 2.0 * state.noise**2 / max(spacing**2, 1e-12), _LEAST_POWER)
-            sigma[self.a.kind == JOINT] = plain / np.sqrt(power)
+        if state.tempered and np.isfinite(self.laid.spacing):
+            sigma[self.a.kind == JOINT] = plain / np.sqrt(max(self.telling(state), _LEAST_POWER))
         return np.sqrt(sigma**2 + self.laid.variance)
 
     def _forward(self, state: State, grid: Grid, keep: bool) -> tuple:

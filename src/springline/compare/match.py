@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..errors import InputError
-from .features import KINDS
+from .features import JOINT, KINDS
 from .fit import Sense
 from .options import MatchOptions
 from .placing import Placed, place
@@ -23,6 +23,7 @@ if TYPE_CHECKING:
 _FEWEST = 2
 _HOPELESS = 60.0
 _ONE_PLACE = 0.95
+_TELLING = 0.88
 
 
 def match(a: FeatureList, b: FeatureList, options: MatchOptions | None = None) -> Match:
@@ -66,7 +67,8 @@ def match(a: FeatureList, b: FeatureList, options: MatchOptions | None = None) -
     direction = float(1.0 / (1.0 + np.exp(-min(totals[best] - totals[1 - best], 700.0))))
     same = _probability_same(sense, fit, float(np.logaddexp(*totals) - np.log(2.0)))
     placed = place(sense, fit)
-    return _result(a, b, options, bool(best), direction, same, fit, placed)
+    reason = _refusal(options, same, direction) or _joints_alone(sense, fit, a.kind[placed.index_a])
+    return _result(a, b, options, bool(best), direction, same, fit, placed, reason)
 
 
 def _fits(senses: tuple[Sense, Sense]) -> list[Fit | None]:
@@ -98,18 +100,33 @@ def _probability_same(sense: Sense, fit: Fit, total: float) -> float:
     return float(1.0 / (1.0 + np.exp(-np.clip(odds, -700.0, 700.0))))
 
 
-def _result(
-    a: FeatureList, b: FeatureList, options: MatchOptions, turned: bool, direction: float, same: float, fit: Fit,
-    placed: Placed,
-) -> Match:  # fmt: skip
-    reason = ""
+def _refusal(options: MatchOptions, same: float, direction: float) -> str:
+    """Return why a match with these posteriors is refused; empty when it is not."""
     if same < options.accept_same:
-        reason = (
+        return (
             f"the features do not show that both inspections saw the same pipe: probability {same:.2f}, "
             f"at least {options.accept_same:g} is asked for"
         )
-    elif direction < options.accept_same:
-        reason = f"the features do not tell from which end the second was driven: probability {direction:.2f}"
+    if direction < options.accept_same:
+        return f"the features do not tell from which end the second was driven: probability {direction:.2f}"
+    return ""
+
+
+def _joints_alone(sense: Sense, fit: Fit, kinds: np.ndarray) -> str:
+    """Return why joints cannot be told apart; empty when another kind is paired or their spacing tells them."""
+    if not sense.laid.regular or (kinds != JOINT).any() or sense.telling(fit.state) >= _TELLING:
+        return ""
+    return (
+        f"only joints of one module ({sense.laid.module:.2f} m) are common to both, and their spacing varies by "
+        f"{1e3 * sense.laid.spacing:.0f} mm, too little beside the noise of {1e3 * fit.state.noise:.0f} mm, to tell "
+        "one from the next: add laterals, bends or manholes to the lists"
+    )
+
+
+def _result(
+    a: FeatureList, b: FeatureList, options: MatchOptions, turned: bool, direction: float, same: float, fit: Fit,
+    placed: Placed, reason: str,
+) -> Match:  # fmt: skip
     accepted = not reason
     pairs, drift, flagged = _nothing() if reason else _placed(b, options, turned, placed)
     return Match(

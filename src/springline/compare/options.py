@@ -80,8 +80,8 @@ class MatchOptions:
             slip_rate=0.01,
             slip_scale=0.6,
             offset_scale=0.5,
-            bearing_sigma=0.22,
-            bearing_outliers=0.0003,
+            bearing_sigma=0.25,
+            bearing_outliers=0.0001,
             sigma_limit=1.2,
         )
 
