@@ -11,6 +11,7 @@ from .stages.clean import clean
 from .stages.estimate import estimate
 from .stages.liner import liner
 from .stages.metrics import metrics
+from .stages.overrides import corrections, masks
 from .stages.rings import rings
 from .survey import add_run, validate
 
@@ -19,7 +20,7 @@ if TYPE_CHECKING:
 
     from .survey import Survey
 
-STAGES = (rings, clean, estimate, liner, metrics)
+STAGES = (rings, clean, masks, estimate, liner, metrics, corrections)
 """The stages in the order in which they run; each takes a survey and its settings and adds its groups."""
 
 

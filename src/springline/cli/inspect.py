@@ -49,6 +49,11 @@ def inspect(
     liner: Annotated[
         bool, typer.Option("--liner", help="The pipe is lined: look for lobes where the liner has left its host.")
     ] = False,
+    overrides: Annotated[
+        Path | None,
+        typer.Option("--overrides", metavar="FILE", help="Corrections by people, instead of overrides.toml beside."),
+    ] = None,
+    units: Annotated[str | None, typer.Option("--units", help="si, or us: inches and feet to read.")] = None,
     input_format: reading.InputFormat = None,
     unit: reading.Unit = None,
     bearing_zero: reading.BearingZero = None,
@@ -78,13 +83,15 @@ def inspect(
         sensor=sensor,
         name=name,
     )
-    settings = _settings(config, spacing, liner=liner)
+    settings = _settings(config, spacing, liner=liner, units=units)
     _refuse_existing(output, force)
     base_diameter = _length(base, "--base")
     surveys = {
         key: survey.with_attrs(base_diameter=base_diameter) if base_diameter else survey
         for key, survey in _read(inputs, options, keep_going=keep_going).items()
     }
+    if overrides is not None:
+        surveys = _corrected(surveys, overrides)
     checks = tuple(check or ())
     if len(surveys) == 1:
         found: Any = inspect_into(next(iter(surveys.values())), output, settings, checks=checks, force=force)
@@ -144,10 +151,22 @@ def _inspect_each(
     return index
 
 
-def _settings(path: Path | None, spacing: str | None, *, liner: bool) -> Config:
+def _corrected(surveys: dict[str, Survey], path: Path) -> dict[str, Survey]:
+    from ..survey.overrides import with_overrides
+
+    if len(surveys) > 1:
+        raise InputError(f"it is one file for {len(surveys)} scans", where="--overrides", expected="one scan")
+    return {key: with_overrides(survey, path) for key, survey in surveys.items()}
+
+
+def _settings(path: Path | None, spacing: str | None, *, liner: bool, units: str | None) -> Config:
     from ..config import Config, load_config
+    from ..outputs.units import unit
 
     settings = load_config(path) if path else Config()
+    if units is not None:
+        unit("m", units)
+        settings = settings.model_copy(update={"outputs": settings.outputs.model_copy(update={"units": units})})
     if liner:
         settings = settings.model_copy(update={"liner": settings.liner.model_copy(update={"fit": True})})
     if spacing is None:

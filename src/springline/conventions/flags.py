@@ -16,8 +16,10 @@ MASK_REASONS = {
     4: "occluded",
     5: "lateral",
     6: "out_of_range",
+    8: "by_hand",
 }
-"""Why a reading is used or not: the flag values of `/mask`; `water` covers sediment lying flat at the invert."""
+"""Why a reading is used or not: the flag values of `/mask`; `water` covers sediment lying flat at the invert, `by_hand`
+what an override leaves out; 7 stays free for what outputs show beside these."""
 
 FIT_STATUS = {
     0: "fitted",

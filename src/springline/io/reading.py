@@ -8,7 +8,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from ..errors import InputError, SpringlineError
-from ..survey import Survey, fingerprint, validate
+from ..survey import Survey, add_assumption, fingerprint, validate
+from ..survey.overrides import with_overrides
 from ..survey.provenance import add_inputs
 from . import registry
 from .options import ReadOptions
@@ -21,6 +22,9 @@ if TYPE_CHECKING:
 
 _FLAGS = {"nominal_diameter": "--nominal", "bearing_zero": "--bearing-zero", "bearing_sense": "--bearing-sense",
           "depth_unit": "--depth-unit"}  # fmt: skip
+
+OVERRIDES = "overrides.toml"
+"""Name of the file of corrections that people make, beside a survey."""
 
 
 @dataclass(frozen=True)
@@ -127,7 +131,23 @@ def read_one(path: Path, options: ReadOptions, *, strict: bool = True) -> Survey
     survey = survey.with_attrs(name=name)
     if options.nominal_diameter is not None:
         survey = survey.with_attrs(nominal_diameter=options.nominal_diameter)
-    return validate(add_inputs(survey, inputs), where=str(path))
+    survey = validate(add_inputs(survey, inputs), where=str(path))
+    beside = overrides_beside(path)
+    if beside is None:
+        return survey
+    survey = with_overrides(survey, beside)
+    count = len(survey.overrides)
+    return add_assumption(survey, f"{count} correction{'s' * (count != 1)} made by hand stand in {beside.name}.")
+
+
+def overrides_beside(path: Path) -> Path | None:
+    """Return the file of corrections that goes with an input: `overrides.toml` in a survey folder; beside another
+    input `NAME.overrides.toml` after its stem, or else `overrides.toml`. None when there is none."""
+    if (path / "survey.toml").is_file():
+        places = [path / OVERRIDES]
+    else:
+        places = [path.with_name(f"{_stem(path)}.{OVERRIDES}"), path.with_name(OVERRIDES)]
+    return next((place for place in places if place.is_file()), None)
 
 
 def read_many(
@@ -150,6 +170,7 @@ def read_many(
     surveys: dict[str, Survey] = {}
     unreadable: list[Unreadable] = []
     found = expand(Path(p) for p in paths)
+    _one_survey_each(found)
     for path in found:
         try:
             survey = read_one(path, options, strict=len(found) == 1)
@@ -179,11 +200,24 @@ def expand(paths: Iterable[Path]) -> list[Path]:
         if not path.is_dir() or any((path / mark).exists() for mark in ("survey.toml", "zarr.json", ".zgroup")):
             found.append(path)
             continue
-        entries = sorted(p for p in path.iterdir() if not p.name.startswith("."))
+        entries = sorted(p for p in path.iterdir() if not p.name.startswith(".") and not p.name.endswith(OVERRIDES))
         if not entries:
             raise InputError("the folder is empty", where=path)
         found += entries
     return found
+
+
+def _one_survey_each(paths: list[Path]) -> None:
+    """Refuse one file of corrections for several surveys: its places are those of one."""
+    beside = [place for place in map(overrides_beside, paths) if place is not None]
+    for place in beside:
+        if beside.count(place) > 1:
+            raise InputError(
+                f"it stands beside {beside.count(place)} surveys",
+                where=place,
+                expected="a file for one survey",
+                mend=f"name it after that survey: NAME.{OVERRIDES}",
+            )
 
 
 def _format_of(path: Path, options: ReadOptions) -> Format:

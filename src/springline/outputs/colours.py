@@ -32,6 +32,7 @@ REASON_COLOURS = {
     "occluded": "#6f757d",
     "lateral": "#c8b400",
     "out_of_range": "#d17fb0",
+    "by_hand": "#3f8f4f",
     "no_section": "#e4e0ea",
     "no_station": "#ffffff",
 }

@@ -34,13 +34,14 @@ REASON_WORDS = {
     "occluded": "occluded",
     "lateral": "lateral",
     "out_of_range": "out of range",
+    "by_hand": "left out by hand",
     "no_section": "seen, but no section was fitted",
     "no_station": "no readings here",
 }
 """Why a reading is used or not, for people."""
 
 # Which reason speaks for a cell that holds several.
-_PRIORITY = (0, 5, 3, NO_SECTION, 4, 2, 6, 1)
+_PRIORITY = (0, 5, 3, 8, NO_SECTION, 4, 2, 6, 1)
 _ROWS = (12, 180)
 
 
@@ -110,7 +111,7 @@ def unroll(results: Results, *, cells: int = 7_000_000) -> Unrolled:
     last = np.append(first[1:], group.size) - 1
     size = first.size * rows
     furthest = np.zeros(size, np.uint64)
-    seen = np.zeros(size, np.uint8)
+    seen = np.zeros(size, np.uint16)
     radius = results.circle_diameter / 2
     for block in results.blocks():
         at = group[results.station_of_ring[block.start : block.start + len(block.range)]]
@@ -171,4 +172,4 @@ def _scatter(
     cell = group[:, None] * rows + np.rint(filed * (rows / (2 * pi))).astype(np.int64) % rows
     surface = about - block.fitted(phi)
     np.maximum.at(furthest, cell[used], _pack((about - radius)[used], surface[used]))
-    np.bitwise_or.at(seen, cell.ravel(), np.left_shift(1, reason).astype(np.uint8).ravel())
+    np.bitwise_or.at(seen, cell.ravel(), np.left_shift(1, reason).astype(np.uint16).ravel())

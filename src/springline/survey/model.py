@@ -97,6 +97,10 @@ class Survey:
             )
         return Survey({**self._groups, name: data}, self._attrs)
 
+    def corrected(self, name: str, data: xr.Dataset) -> Survey:
+        """Return a survey in which a result is as people corrected it; only their overrides may replace a group."""
+        return Survey({**self._groups, name: data}, self._attrs)
+
     def with_attrs(self, **attrs: Any) -> Survey:
         """Return a survey with root attributes set; None removes one."""
         merged = {**self._attrs, **attrs}
