@@ -11,12 +11,14 @@ import pandas as pd
 
 from ..conventions import FEATURE_COLUMNS, STATION_COLUMNS, clock_from_bearing
 from .results import Results, text
+from .units import converted
 
 if TYPE_CHECKING:
     from pathlib import Path
 
     from ..conventions import Column
     from ..survey import Survey
+    from .units import System
 
 _HOURS_PER_RADIAN = 6.0 / math.pi
 _TEXT = frozenset(c.name for c in STATION_COLUMNS if c.decimals == 0)
@@ -116,7 +118,7 @@ def _sigmas(results: Results, column: Column) -> np.ndarray | list[str]:
     return results.station(column.group, f"{column.variable}_sigma") * factor
 
 
-def write_csv(table: pd.DataFrame, path: Path, decimals: dict[str, int]) -> None:
+def write_csv(table: pd.DataFrame, path: Path, decimals: dict[str, int], *, units: System = "si") -> None:
     """Write a table as CSV (UTF-8, comma, point): numbers with their decimals, nothing where a value is missing.
 
     Text that a spreadsheet would run as a formula is led by an apostrophe. Rows are formatted in blocks, several
@@ -126,7 +128,9 @@ def write_csv(table: pd.DataFrame, path: Path, decimals: dict[str, int]) -> None
         table: The table.
         path: Where to write.
         decimals: Decimals by column; columns that are not named hold text.
+        units: "us" turns millimetres into inches and metres into feet, in the numbers and in the columns' names.
     """
+    table, decimals = converted(table, decimals, units)
     runs = _runs(list(table.columns), decimals)
     with path.open("w", encoding="utf-8", newline="") as stream:
         csv.writer(stream, lineterminator="\n").writerow(table.columns)

@@ -20,6 +20,8 @@ from .viewer import render_viewer
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
+    import pandas as pd
+
     from ..survey import Survey
 
 _OWN = ("summary.json", "stations.csv")
@@ -87,13 +89,14 @@ def _writers(results: Results, config_toml: str) -> dict[str, Callable[[Path], o
     def text(content: str) -> Callable[[Path], object]:
         return lambda path: path.write_text(content, encoding="utf-8")
 
+    def table(make: Callable[[Survey], pd.DataFrame], decimals: dict[str, int]) -> Callable[[Path], object]:
+        return lambda path: tables.write_csv(make(survey), path, decimals, units=results.units)
+
     return {
         "summary.json": lambda path: text(json.dumps(summary(survey), indent=2, ensure_ascii=False) + "\n")(path),
-        "stations.csv": lambda path: tables.write_csv(tables.stations_table(survey), path, tables.STATION_DECIMALS),
-        "stations_sigma.csv": lambda path: tables.write_csv(
-            tables.stations_sigma_table(survey), path, tables.STATION_DECIMALS
-        ),
-        "features.csv": lambda path: tables.write_csv(tables.features_table(survey), path, tables.FEATURE_DECIMALS),
+        "stations.csv": table(tables.stations_table, tables.STATION_DECIMALS),
+        "stations_sigma.csv": table(tables.stations_sigma_table, tables.STATION_DECIMALS),
+        "features.csv": table(tables.features_table, tables.FEATURE_DECIMALS),
         "config.toml": text(config_toml),
         "pipe.glb": lambda path: write_glb(wall, path, name=name),
         "report.html": lambda path: text(render_report(results, wall, config_toml))(path),
