@@ -25,12 +25,13 @@ from __future__ import annotations
 
 from .flags import FIT_STATUS, MASK_REASONS, NOT_SPEAKING, ROOT_ATTRIBUTES, SENSOR_KINDS, STATION_FLAGS, flagged
 from .frame import BEARING_SENSES, BEARING_ZEROS, CROWN, bearing_from_clock, clock_from_bearing
-from .groups import GROUPS, POSE_TERMS, SECTION_PARAMETERS, SOURCE_GROUPS, Group, Variable
+from .groups import CALIBRATION_TERMS, GROUPS, POSE_TERMS, SECTION_PARAMETERS, SOURCE_GROUPS, Group, Variable
 from .tables import FEATURE_COLUMNS, STATION_COLUMNS, SURVEY_FOLDER_KEYS, SURVEY_SENSOR_KEYS, Column
 
 __all__ = [
     "BEARING_SENSES",
     "BEARING_ZEROS",
+    "CALIBRATION_TERMS",
     "CROWN",
     "FEATURE_COLUMNS",
     "FIT_STATUS",

@@ -79,6 +79,7 @@ _RING_ATTRIBUTES = (
     ("wall_share", "share of wall among what a cloud shows near the pipe's axis, 0 to 1"),
     ("diameter_doubt", "relative one-sigma to add to every diameter as it is in doubt which readings are of the wall"),
     ("range_max", "longest range that the sensor reports [m], when known"),
+    ("range_scale_applied", "range scale by which the ranges were divided, when a calibration was applied"),
     ("position_x", "sensor's origin ahead of the point whose way the odometer counts [m], when known"),
     ("position_y", "sensor's origin above that point, in robot axes [m], when known"),
     ("position_z", "sensor's origin to the right of that point, in robot axes [m], when known"),
@@ -174,7 +175,68 @@ GROUPS = {
                 _v("sigma", "tie", "m", "one-sigma of each coordinate", required=True),
             ),
         ),
-        Group("calibration", "calibrate", "range scale, boresight, noise law, lens, with covariance", open=True),
+        Group(
+            "calibration",
+            "calibrate",
+            "range scale, boresight, noise law, lens, with covariance",
+            (
+                *_with_sigma(
+                    (
+                        _v("range_scale", "", "1", "reading over true range; ranges are divided by it"),
+                        _v("boresight_pitch", "", "rad", "ring plane's normal against the forward axis, nose up"),
+                        _v("boresight_yaw", "", "rad", "the same, nose to the right"),
+                        _v("boresight_roll", "", "rad", "zero reading against its bearing, from robot z towards y"),
+                        _v("noise_constant", "", "m", "one-sigma of a reading: the part that does not grow"),
+                        _v("noise_relative", "", "1", "the part that grows with the range, over the range"),
+                    )
+                ),
+                _v("covariance", "calibration_term calibration_term_2", "", "covariance of CALIBRATION_TERMS"),
+                _v("range_low", "", "m", "shortest range at which the noise law was seen"),
+                _v("range_high", "", "m", "longest range at which it was seen"),
+            ),
+            (
+                ("reference_diameter", "inside diameter of the reference [m]"),
+                ("reference_sigma", "its one-sigma [m]"),
+                ("tilt_sigma", "one-sigma of each stated tilt by itself [rad]"),
+                ("common_tilt_sigma", "one-sigma of what all tilts have wrong in common [rad]"),
+                ("misfit", "squared misfit of the scans over that expected"),
+                ("readings", "readings that the noise law stands on"),
+                ("scans", "JSON list: name, rings, tilt_deg and input files of each scan"),
+                ("why_missing", "JSON: reason for each quantity that is not observable"),
+                ("notes", "JSON list of what the user must know"),
+                ("lens", "JSON: lens models by name"),
+            ),
+            open=True,
+        ),
+        Group(
+            "observations",
+            "io",
+            "what people coded from CCTV, as an exchange file has it; codes that are not known are carried",
+            (
+                _v("inspection", "observation", "1", "row of the inspection that it belongs to", "int64", True),
+                _v("distance", "observation", "m", "what the counter read, from the inspection's start", required=True),
+                _v("code", "observation", "", "code as in the file", "str", True),
+                _v("kind", "observation", "", "joint, lateral, ... as in /features; empty for a code without", "str"),
+                _v("characterisation_1", "observation", "", "as in the file", "str"),
+                _v("characterisation_2", "observation", "", "as in the file", "str"),
+                _v("quantification_1", "observation", "", "as in the file: its unit hangs on the code", "str"),
+                _v("quantification_2", "observation", "", "as in the file", "str"),
+                _v("bearing", "observation", "rad", "bearing at the first clock position"),
+                _v("bearing_to", "observation", "rad", "bearing at the second one, clockwise from the first"),
+                _v("joint", "observation", "", "whether it lies at a joint, as in the file", "str"),
+                _v("continuous", "observation", "", "label of a continuous defect's start or end", "str"),
+                _v("photo", "observation", "", "reference of the photograph", "str"),
+                _v("video", "observation", "", "reference into the video", "str"),
+                _v("remarks", "observation", "", "as in the file", "str"),
+                _v("fields", "observation", "", "JSON: whatever else the file says of it", "str"),
+                _v("name", "inspection", "", "the pipe's name", "str"),
+                _v("header", "inspection", "", "JSON: what the file says of the inspection, by its own names", "str"),
+            ),
+            (
+                ("format", "key of the format that it was read from"),
+                ("layout", "JSON: how the file was laid out, to write it back alike"),
+            ),
+        ),
         Group("truth", "simulate", "simulations only; no stage reads it", open=True),
         Group("candidates", "detect", "what detect saw, with its evidence", open=True),
         Group(
@@ -216,6 +278,7 @@ GROUPS = {
                     "distance along the pipe axis from the start node",
                     required=True,
                 ),
+                _v("chainage_sigma", "station", "m", "one-sigma of chainage, from where the odometer read zero"),
                 _v(
                     "distance",
                     "station",
@@ -326,7 +389,45 @@ GROUPS = {
             ),
             open=True,
         ),
-        Group("layout", "stages.estimate", "centreline, gradient, bends, with sigma", open=True),
+        Group(
+            "layout",
+            "stages.estimate",
+            "where the pipe's axis runs, how it falls, and its bends",
+            (
+                *_with_sigma(
+                    (
+                        _v("chainage", "station", "m", "chainage of the station", required=True),
+                        _v("easting", "station", "m", "of the axis; of the ties' frame, or of a local one"),
+                        _v("northing", "station", "m", "of the axis"),
+                        _v("elevation", "station", "m", "of the axis"),
+                        _v("gradient", "station", "1", "rise per metre of run along travel"),
+                        _v("heading", "station", "rad", "of the axis along travel, clockwise from north"),
+                        _v(
+                            "bend_radius",
+                            "station",
+                            "m",
+                            "radius of the bend in which the station lies; NaN if straight",
+                        ),
+                    )
+                ),
+                _v("axis_covariance", "station axis axis_2", "m2", "covariance of easting, northing, elevation"),
+                *_with_sigma(
+                    (
+                        _v("bend_start", "bend", "m", "chainage at which each bend begins"),
+                        _v("bend_angle", "bend", "rad", "between the straight runs beside it"),
+                        _v("bend_arc_radius", "bend", "m", "radius of the axis"),
+                    )
+                ),
+                _v("bend_length", "bend", "m", "length of the arc"),
+                _v("bend_towards", "bend", "rad", "bearing in the section towards the bend's centre"),
+            ),
+            (
+                ("frame", "ties, or local: from the first ring, heading as the robot did"),
+                ("crs", "coordinate reference system of the ties; empty when not stated"),
+                ("why_missing", "JSON: reason for each quantity that is not observable"),
+            ),
+            open=True,
+        ),
         Group(
             "design",
             "design",
@@ -359,12 +460,22 @@ GROUPS = {
 }
 """The data contract: group name to `Group`; `survey.schema` validates against it, the docs page is made from it."""
 
-SOURCE_GROUPS = ("points", "rings", "rings_rear", "inertial", "frames", "ties", "calibration", "truth")
+SOURCE_GROUPS = ("points", "rings", "rings_rear", "inertial", "frames", "ties", "calibration", "observations", "truth")
 """Groups that come from files; all others are results, made anew by each inspection."""
 
 SECTION_PARAMETERS = ("mean_radius", "oval_cos", "oval_sin")
 """Parameters of the ellipse: half sum of the semi-axes, and their half difference times cos and sin of twice the
 major axis's bearing; unlike (semi-axes, bearing) they stay regular at the circle."""
+
+CALIBRATION_TERMS = (
+    "range_scale",
+    "boresight_pitch",
+    "boresight_yaw",
+    "boresight_roll",
+    "noise_constant",
+    "noise_relative",
+)
+"""Order of the rows of `/calibration` covariance."""
 
 POSE_TERMS = ("offset_y", "offset_z", "pitch", "yaw", "roll")
 """Order of the rows of `/pose` covariance."""
