@@ -19,6 +19,7 @@ _BY_HAND = next(code for code, name in MASK_REASONS.items() if name == "by_hand"
 _WITHIN = 0.25
 _CLOCK_WITHIN = 1.0
 _APART = 0.02
+_CHAINAGES = ("chainage", "bend_start")
 _FEATURE_ACTIONS = ("relabel", "remove", "add")
 _CENTRELINE = {"easting_m": "easting", "northing_m": "northing", "elevation_m": "elevation"}
 
@@ -140,7 +141,7 @@ def _set_datum(survey: Survey) -> Survey:
     if (shift := datum_shift(survey)) != 0.0:
         for name in survey.groups:
             data = survey.group(name)
-            places = [v for v in data.data_vars if v == "chainage" or str(v).endswith("_chainage")]
+            places = [v for v in data.data_vars if v in _CHAINAGES]
             if places:
                 survey = survey.corrected(name, data.assign({v: data[v] + shift for v in places}))
         said.append(f"chainages moved by {shift:+.3f} m")
