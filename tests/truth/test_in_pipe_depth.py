@@ -63,7 +63,12 @@ def test_concrete_gives_a_wide_sigma_and_a_plain_warning():
 
 
 @pytest.mark.parametrize(
-    "stem", ["091221__200mm_PVC__840x480__light__cloud14", "091221__400mm_PVC__840x480__light__cloud5_cover"]
+    "stem",
+    [
+        "091221__200mm_PVC__840x480__light__cloud14",
+        "091221__400mm_PVC__840x480__light__cloud5_cover",
+        "091221__195mm_concrete__840x480__light__cloud21",
+    ],
 )
 def test_image_and_cloud_of_a_capture_agree(stem):
     series, pipe, size, light, name = stem.split("__")

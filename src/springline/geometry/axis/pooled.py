@@ -34,7 +34,10 @@ COMMON_PRIOR = 0.0015
 SECTORS = 24
 """Sectors of bearing that may each err alike along the stretch."""
 _PATCH = (0.3, np.radians(10.0))
-"""Length [radii] and width [rad] of the patches whose scatter is compared with that of their readings."""
+"""Length [radii] and width [rad] of the smallest patches whose scatter is compared with that of their readings."""
+_GROWTH = (1, 2, 3)
+"""Patches so many times longer and wider are compared too, as errors may be alike over more than one patch."""
+_FEWEST_PATCHES = 30
 _GATE = 0.15
 """Readings further from the typical radius than this, in radii, are not of the wall."""
 TUKEY = 4.685
@@ -158,9 +161,12 @@ class _Pool:
         self.shape = np.stack([np.ones_like(cos), sin, cos, sin, cos, cos * cos - sin * sin, 2.0 * sin * cos])
         self.sectors = (sector_of(bearings) == np.arange(SECTORS)[:, None]).astype(float)
         step = float(np.median(np.abs(np.diff(place)))) if len(place) > 1 else 1.0
-        rows = max(1, round(_PATCH[0] / step)) if step > 0 else 1
-        columns = max(1, round(_PATCH[1] / (2.0 * np.pi) * len(bearings)))
-        self.edges = np.arange(0, len(place), rows), np.arange(0, len(bearings), columns)
+        rows = _PATCH[0] / step if step > 0 else 1.0
+        columns = _PATCH[1] / (2.0 * np.pi) * len(bearings)
+        self.edges = [
+            (np.arange(0, len(place), max(1, round(k * rows))), np.arange(0, len(bearings), max(1, round(k * columns))))
+            for k in _GROWTH
+        ]
 
     def solve(self, typical: float, middle: float) -> PooledSection:
         unknown = np.zeros(7 + SECTORS)
@@ -209,16 +215,31 @@ class _Pool:
         covariance = np.linalg.inv(normal)
         return covariance @ target, covariance
 
-    def _patches(self, values: NDArray) -> NDArray:
-        return np.add.reduceat(np.add.reduceat(values, self.edges[0], axis=0), self.edges[1], axis=1)
+    def _patches(self, values: NDArray, size: int = 0) -> NDArray:
+        along, around = self.edges[size]
+        return np.add.reduceat(np.add.reduceat(values, along, axis=0), around, axis=1)
 
     def _alike(self, relative: NDArray, used: NDArray) -> float:
-        """Return the variance of patch sums over that of as many independent readings, at least one."""
-        count = self._patches(used.astype(float))
+        """Return the variance of patch sums over that of as many independent readings, at least one.
+
+        A patch sees what errs alike with it only up to its edges, a loss that falls with its size: the root of the
+        ratio is carried on from two sizes to a patch without edges.
+        """
+        small = self._ratio(relative, used, 0)
+        for size in range(len(_GROWTH) - 1, 0, -1):
+            large = self._ratio(relative, used, size)
+            if np.isfinite(large) and large > small:
+                grown = (_GROWTH[size] * np.sqrt(large) - np.sqrt(small)) / (_GROWTH[size] - 1)
+                return max(1.0, float(grown**2))
+        return max(1.0, small)
+
+    def _ratio(self, relative: NDArray, used: NDArray, size: int) -> float:
+        """Return the mean square of patch sums per reading; NaN when too few of the larger patches are seen."""
+        count = self._patches(used.astype(float), size)
         enough = count >= 5
-        if enough.sum() < 2:
-            return float(np.maximum(count.max(), 1.0))
-        return max(1.0, float(np.mean(self._patches(relative)[enough] ** 2 / count[enough])))
+        if enough.sum() < (_FEWEST_PATCHES if size else 2):
+            return float("nan") if size else float(count.max())
+        return float(np.mean(self._patches(relative, size)[enough] ** 2 / count[enough]))
 
     def _result(self, unknown, covariance, weight, scatter, alike, unseen, typical, middle) -> PooledSection:
         from scipy.stats import t
