@@ -66,8 +66,10 @@ class CleanConfig(_Settings):
 
 
 class EstimateConfig(_Settings):
-    """Pose and section."""
+    """Pose, section and layout."""
 
+    method: Literal["auto", "rings", "joint"] = "auto"
+    """Ring by ring, or robot, section and layout jointly; auto is jointly where there is an inertial log."""
     minimum_coverage: Fraction = 0.25
     """Stations with less coverage get no section."""
     largest_gap: Annotated[float, Field(gt=0, le=6.2831853)] = 2.36

@@ -7,12 +7,16 @@ how much.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from itertools import pairwise
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ..geometry.deviation import radial_deviation
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
 
 POOL = 200
 """Rings whose readings are pooled."""
@@ -43,6 +47,11 @@ class Harmonics:
         """Largest root of the summed squares of the terms among the significant pools [m]; 0 when there is none."""
         size = np.sqrt(np.sum(self.terms**2, axis=1))[self.significant]
         return float(size.max()) if size.size else 0.0
+
+    @classmethod
+    def joined(cls, parts: Sequence[Harmonics]) -> Harmonics:
+        """Return the harmonics of consecutive stretches as one."""
+        return cls(*(np.concatenate([getattr(part, field.name) for part in parts]) for field in fields(cls)))
 
 
 def pooled_harmonics(ranges: np.ndarray, bearings: np.ndarray, parameters: np.ndarray) -> Harmonics:

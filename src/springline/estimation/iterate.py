@@ -61,7 +61,7 @@ def iterate(problem: Problem, state: State, bend) -> Solution:
                     squares.append(one.residual**2)
                 else:
                     linear[name] = one
-        found = solve(normal, problem.threads(state))
+        found = solve(normal, problem.threads(state), state.along)
         if converged:
             break
         before = {name: factors[name].scale.copy() for name in linear}

@@ -142,7 +142,7 @@ def _told(problem: Problem, solution: Solution, ties: Ties | None, remarks: list
         for name in ("axis", "axis_covariance", "direction", "direction_sigma"):
             values[name][:] = np.nan
     if "chainage" in why:
-        values["chainage"][:] = np.nan
+        values["chainage"][:] = values["chainage_sigma"][:] = np.nan
     warnings = list(remarks)
     misfit = solution.misfit
     if misfit > _MISFIT:

@@ -14,6 +14,7 @@ from .factors.sensor import OUT, evaluate
 from .iterate import Solution
 from .problem import Problem
 from .states import ACCEL, AXLES, CLOCK, GYRO, LEVER, LEVER_UP, SCALE, SLIP_RIGHT, SLIP_UP
+from .torus import bend_terms
 
 SCALAR_NAMES = {
     "gyro_bias_x": GYRO.start,
@@ -39,6 +40,9 @@ class JointEstimate:
 
     Attributes:
         chainage: Along the axis from where the first ring was taken [m] (n,); NaN when unknown, as everywhere.
+        chainage_sigma: (n,) [m].
+        rings: Ellipse that each ring shows by this estimate, in its own plane and frame: centre_z, centre_y,
+            mean_radius, oval_cos, oval_sin [m] (n, 5).
         pose: offset_y, offset_z, pitch, yaw, roll (n, 5) [m, rad].
         pose_covariance: (n, 5, 5).
         section: mean_radius, oval_cos, oval_sin of the true section in the pipe's frame [m] (n, 3).
@@ -59,6 +63,8 @@ class JointEstimate:
     """
 
     chainage: np.ndarray
+    chainage_sigma: np.ndarray
+    rings: np.ndarray
     pose: np.ndarray
     pose_covariance: np.ndarray
     section: np.ndarray
@@ -99,6 +105,7 @@ class JointEstimate:
 def at_rings(problem: Problem, solution: Solution) -> dict[str, np.ndarray]:
     """Return values and covariances at every ring, before what is not observable is taken out."""
     state, found = solution.state, solution.covariance
+    shown = bend_terms(problem, state)
     places = problem.places(problem.rings.distance, float(state.scalars[CLOCK]))
     value, spread = np.empty((len(places.share), OUT)), np.empty((len(places.share), OUT, OUT))
     for first in range(0, len(value), WINDOW):
@@ -118,20 +125,36 @@ def at_rings(problem: Problem, solution: Solution) -> dict[str, np.ndarray]:
             DERIVATIVE_STEPS,
         )
         spread[rows] = _sandwich(at.interval, slopes, found.diagonal, found.beside, found.border, found.corner)
+        shown[rows] += evaluate(
+            0,
+            at.interval,
+            state.knots,
+            state.scalars,
+            at.share,
+            at.step,
+            at.tracks(),
+            at.clock,
+            np.asarray(at.lever, float),
+            np.arange(0),
+            DERIVATIVE_STEPS,
+        )[0]
     share = np.clip(places.share, 0.0, 1.0)
     before, after = places.interval, places.interval + 1
     way = np.linalg.norm(np.diff(state.axis, axis=0), axis=1)
     chainage = np.concatenate([[0.0], np.cumsum(way)])
     length = np.linalg.norm(value[:, 8:11], axis=1)
     ahead = np.sign(np.einsum("ni,ni->n", value[:, 8:11], state.knots[before, :3]))
+    points = found.axis[before] * (1.0 - share[:, None, None]) + found.axis[after] * share[:, None, None]
     return {
+        "rings": shown,
+        "chainage_sigma": np.sqrt(points[:, 3, 3]),
         "chainage": chainage[before] + ahead * length - ahead[0] * length[0],
         "pose": value[:, :5],
         "pose_covariance": spread[:, :5, :5],
         "section": value[:, 5:8],
         "section_covariance": spread[:, 5:8, 5:8],
         "axis": state.axis[before] + value[:, 8:11],
-        "axis_covariance": found.axis[before] * (1.0 - share[:, None, None]) + found.axis[after] * share[:, None, None],
+        "axis_covariance": points[:, :3, :3],
         "direction": value[:, 11:],
         "direction_sigma": np.sqrt(np.einsum("nii->ni", spread[:, 11:, 11:])),
     }

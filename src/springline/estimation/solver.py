@@ -59,7 +59,7 @@ class Factored:
         beside: (knot - 1, B, B) covariance of knot k with knot k + 1.
         border: (knot, B, G) covariance with the scalars.
         corner: (G, G) covariance of the scalars.
-        axis: (knot, 3, 3) covariance of the point of the axis at each knot.
+        axis: (knot, 4, 4) covariance of the point of the axis at each knot, and of the length of the axis up to it.
     """
 
     knots: np.ndarray
@@ -121,12 +121,14 @@ class Threads:
         return (ways + scalars[ORIGIN]).reshape(-1, knots.shape[2])
 
 
-def solve(normal: Normal, threads: Threads | None = None) -> Factored:
+def solve(normal: Normal, threads: Threads | None = None, along: np.ndarray | None = None) -> Factored:
     """Return the solution of the normal equations and the covariance blocks.
 
     Args:
         normal: The equations; their matrix must be positive definite. Blocks and corner are laid out as in `states`.
         threads: Known points of the axis, which no block alone can hold.
+        along: Unit vector of the way from each knot to the next (knot - 1, 3), for the covariance of the length; the
+            first coordinate's unless given.
 
     Raises:
         InputError: The matrix is not positive definite: some state has no information at all.
@@ -157,14 +159,17 @@ def solve(normal: Normal, threads: Threads | None = None) -> Factored:
     moved = solved[..., count:] - follow @ moved_scalars
     cross = -follow @ corner
     blocks, beside_blocks = _selected(inverse, step)
-    ways = _ways(blocks * scale[:, :, None] * scale[:, None, :], beside_blocks * scale[:-1, :, None] * scale[1:, None])
+    reach = _reach(len(scale), along)
+    ways = _ways(
+        blocks * scale[:, :, None] * scale[:, None, :], beside_blocks * scale[:-1, :, None] * scale[1:, None], reach
+    )
     blocks -= cross @ np.swapaxes(follow, 1, 2)
     beside_blocks -= cross[:-1] @ np.swapaxes(follow[1:], 1, 2)
     blocks *= scale[:, :, None] * scale[:, None, :]
     beside_blocks *= scale[:-1, :, None] * scale[1:, None, :]
     moved, moved_scalars = moved * scale[..., None], moved_scalars * edge[:, None]
     corner = corner * edge[:, None] * edge
-    lean = np.eye(count)[ORIGIN] - _running(follow[:, AXIS] * scale[:, AXIS, None] / edge)
+    lean = _START @ np.eye(count)[ORIGIN] - _running(reach @ (follow[:, AXIS] * scale[:, AXIS, None] / edge))
     plain = Factored(
         moved[..., 0],
         moved_scalars[:, 0],
@@ -174,17 +179,19 @@ def solve(normal: Normal, threads: Threads | None = None) -> Factored:
         corner,
         ways + lean @ corner @ np.swapaxes(lean, 1, 2),
     )
-    return plain if threads is None else _pulled(plain, threads, moved[..., 1:], moved_scalars[:, 1:])
+    return plain if threads is None else _pulled(plain, threads, reach, moved[..., 1:], moved_scalars[:, 1:])
 
 
-def _pulled(plain: Factored, threads: Threads, moved: np.ndarray, moved_scalars: np.ndarray) -> Factored:
+def _pulled(
+    plain: Factored, threads: Threads, reach: np.ndarray, moved: np.ndarray, moved_scalars: np.ndarray
+) -> Factored:
     """Return the solution that also keeps the threads (Woodbury)."""
     noise = np.repeat(threads.sigma**2, 3)
     spread = threads.along(moved, moved_scalars)
     gain = np.linalg.inv(0.5 * (spread + spread.T) + np.diag(noise))
     left = threads.residual.ravel() - threads.along(plain.knots[..., None], plain.scalars[:, None])[:, 0]
     pull = gain @ left
-    points = moved_scalars[ORIGIN] + _running(moved[:, AXIS])
+    points = _START @ moved_scalars[ORIGIN] + _running(reach @ moved[:, AXIS])
     drawn, drawn_scalars = moved @ gain, moved_scalars @ gain
     return Factored(
         plain.knots + moved @ pull,
@@ -197,6 +204,18 @@ def _pulled(plain: Factored, threads: Threads, moved: np.ndarray, moved_scalars:
     )
 
 
+_START = np.eye(4)[:, :3]
+"""What the origin adds to east, north, up and length."""
+
+
+def _reach(knots: int, along: np.ndarray | None) -> np.ndarray:
+    """Return what each way adds to east, north, up and length (knot, 4, 3); the last knot has no way."""
+    out = np.zeros((knots, 4, 3))
+    out[:, :3] = np.eye(3)
+    out[:-1, 3] = np.array([1.0, 0.0, 0.0]) if along is None else along
+    return out
+
+
 def _running(values: np.ndarray) -> np.ndarray:
     """Return the sums of all blocks before each."""
     out = np.zeros_like(values)
@@ -205,18 +224,20 @@ def _running(values: np.ndarray) -> np.ndarray:
 
 
 @njit(cache=True)
-def _ways(blocks, beside):
-    """Return the covariance (knot, 3, 3) of the sum of all ways (the first three states) before each knot.
+def _ways(blocks, beside, reach):
+    """Return the covariance (knot, 4, 4) of the sums of what all ways (the first three states) before each knot add.
 
-    Knots are a Markov chain: what the sum shares with the next knot it shares through this one.
+    Knots are a Markov chain: what the sums share with the next knot they share through this one.
     """
     knots, block = blocks.shape[:2]
-    out = np.zeros((knots, 3, 3))
-    shared = np.zeros((3, block))
+    out = np.zeros((knots, 4, 4))
+    shared = np.zeros((4, block))
     for k in range(knots - 1):
-        out[k + 1] = out[k] + shared[:, :3] + shared[:, :3].T + blocks[k, :3, :3]
+        own = reach[k] @ np.ascontiguousarray(blocks[k, :3])
+        with_sums = np.ascontiguousarray(shared[:, :3]) @ reach[k].T
+        out[k + 1] = out[k] + with_sums + with_sums.T + np.ascontiguousarray(own[:, :3]) @ reach[k].T
         through = np.linalg.solve(blocks[k], beside[k])
-        shared = (shared + blocks[k, :3]) @ through
+        shared = (shared + own) @ through
     return out
 
 

@@ -72,6 +72,12 @@ class State:
         return self.scalars[ORIGIN] + np.concatenate([np.zeros((1, 3)), ways])
 
     @property
+    def along(self) -> np.ndarray:
+        """Unit vectors of the ways from knot to knot, east, north, up (knot - 1, 3)."""
+        ways = self.knots[:-1, AXIS]
+        return ways / np.linalg.norm(ways, axis=1, keepdims=True)
+
+    @property
     def step(self) -> float:
         """Odometer reading between knots [m]."""
         return float(self.distance[1] - self.distance[0])

@@ -11,6 +11,7 @@ import numpy as np
 
 from ..conventions import NOT_SPEAKING, flagged
 from ..errors import ContractError
+from ..geometry.robot import frame
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -53,12 +54,18 @@ class RingBlock:
     semi_major: np.ndarray
     semi_minor: np.ndarray
     axis_bearing: np.ndarray
+    turn: np.ndarray
+    """(ring, 2, 2): what the ring's own y and z are on the pipe's y and z; the identity where attitude is unknown."""
 
     def about_centre(self, bearing: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Return radius [m] and bearing [rad] of each reading about its section's centre; NaN where there is none."""
-        y = self.range * np.sin(bearing) - self.centre_y
-        z = self.range * np.cos(bearing) - self.centre_z
+        y, z = self.in_pipe(self.range * np.sin(bearing) - self.centre_y, self.range * np.cos(bearing) - self.centre_z)
         return np.hypot(y, z), np.arctan2(y, z)
+
+    def in_pipe(self, y: np.ndarray, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Return places in the rings' planes, seen along the pipe."""
+        turn = self.turn[:, :, :, None]
+        return turn[:, 0, 0] * y + turn[:, 0, 1] * z, turn[:, 1, 0] * y + turn[:, 1, 1] * z
 
     def fitted(self, bearing: np.ndarray) -> np.ndarray:
         """Return the fitted radius [m] at bearings [rad] about the centre."""
@@ -248,7 +255,17 @@ class Results:
             block = ranges[take].values.astype(float)
             reason = (~np.isfinite(block)).astype(np.uint8) if reasons is None else reasons[take].values
             at = self.station_of_ring[take]
-            yield RingBlock(start, block, reason, *(values[at] for values in shape))
+            yield RingBlock(start, block, reason, *(values[at] for values in shape), self._turn(take))
+
+    def _turn(self, rows: slice | np.ndarray) -> np.ndarray:
+        """Return what the rings' own y and z are on the pipe's (ring, 2, 2)."""
+        known = self.survey.has("pose") and {"pitch", "yaw", "roll"} <= set(self.survey.pose.variables)
+        if not known or self.survey.rings.attrs.get("referred_to") == "axis":
+            return np.broadcast_to(np.eye(2), (len(self.survey.rings["distance"][rows]), 2, 2))
+        attitude = np.stack([self.survey.pose[name].values[rows] for name in ("pitch", "yaw", "roll")])
+        # A ring whose attitude is unknown stands as it was seen.
+        frames = frame(*np.where(np.isfinite(attitude).all(axis=0), attitude, 0.0))
+        return np.swapaxes(frames[:, 1:, 1:], 1, 2)
 
 
 def _nearest(axis: np.ndarray, wanted: np.ndarray) -> np.ndarray:

@@ -168,7 +168,7 @@ def _scatter(
     uy, uz = np.sin(bearing), np.cos(bearing)
     along = cy * uy + cz * uz
     ray = along + np.sqrt(np.maximum(radius**2 - cy**2 - cz**2 + along**2, 0.0))
-    filed = np.arctan2(ray * uy - cy, ray * uz - cz)
+    filed = np.arctan2(*block.in_pipe(ray * uy - cy, ray * uz - cz))
     cell = group[:, None] * rows + np.rint(filed * (rows / (2 * pi))).astype(np.int64) % rows
     surface = about - block.fitted(phi)
     np.maximum.at(furthest, cell[used], _pack((about - radius)[used], surface[used]))

@@ -34,6 +34,17 @@ def problem(rng):
     return normal, whole, right
 
 
+ALONG = np.random.default_rng(5).normal(size=(KNOTS - 1, 3))
+
+
+def reach(knot):
+    """Return the rows (4, size) that add up the origin and all ways before a knot, and their length."""
+    length = np.zeros((1, KNOTS * BLOCK + SCALARS))
+    for k in range(knot):
+        length[0, k * BLOCK : k * BLOCK + 3] = ALONG[k]
+    return np.concatenate([ways(knot), length])
+
+
 def ways(knot):
     """Return the rows (3, size) that add up the origin and all ways before a knot."""
     rows = np.zeros((3, KNOTS * BLOCK + SCALARS))
@@ -53,12 +64,12 @@ def check(found, matrix, right):
     np.testing.assert_allclose(found.beside, [blocks[k, :, k + 1] for k in range(KNOTS - 1)], atol=1e-10)
     np.testing.assert_allclose(found.border.reshape(edge, -1), inverse[:edge, edge:], atol=1e-10)
     np.testing.assert_allclose(found.corner, inverse[edge:, edge:], atol=1e-10)
-    np.testing.assert_allclose(found.axis, [ways(k) @ inverse @ ways(k).T for k in range(KNOTS)], atol=1e-9)
+    np.testing.assert_allclose(found.axis, [reach(k) @ inverse @ reach(k).T for k in range(KNOTS)], atol=1e-9)
 
 
 def test_solution_and_covariance_are_those_of_the_dense_matrix():
     normal, matrix, right = problem(np.random.default_rng(1))
-    check(solve(normal), matrix, right)
+    check(solve(normal, along=ALONG), matrix, right)
 
 
 def test_known_points_count_as_the_long_rows_that_they_are():
@@ -70,7 +81,7 @@ def test_known_points_count_as_the_long_rows_that_they_are():
     ):
         rows = (1.0 - share) * ways(interval) + share * ways(interval + 1)
         matrix, right = matrix + rows.T @ rows / sigma**2, right + rows.T @ known / sigma**2
-    check(solve(normal, threads), matrix, right)
+    check(solve(normal, threads, ALONG), matrix, right)
 
 
 def test_a_state_without_information_is_refused():

@@ -1,0 +1,89 @@
+"""The joint estimate of a survey: what it needs, and what it makes of it."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ...errors import InputError
+from ...estimation import Inertial, JointEstimate, Rings, Ties, estimate_joint
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from ...survey import Survey
+    from .rings import Fitted
+
+_POSITION = ("x", "y", "z")
+
+
+def why_not(survey: Survey) -> str:
+    """Return why the joint estimate is not made by itself; empty when it is."""
+    rings = survey.rings
+    if reason := why_never(survey):
+        return reason
+    if not survey.has("inertial") or not {"gyro", "accel"} <= set(survey.inertial.variables):
+        return "there is no inertial log of rates and specific force"
+    if "time" not in rings or not np.isfinite(rings["time"].values).all():
+        return "the rings have no time, so the inertial log cannot be joined to them"
+    return ""
+
+
+def why_never(survey: Survey) -> str:
+    """Return why the rings cannot be estimated jointly at all; empty when they can."""
+    rings = survey.rings
+    if rings.attrs.get("referred_to") == "axis" or rings.attrs.get("distance_source") == "axis":
+        return "the rings stand about the pipe's axis already"
+    return ""
+
+
+def estimate_survey(survey: Survey, fitted: Fitted) -> JointEstimate:
+    """Return the joint estimate from rings, and inertial log and ties where there are any.
+
+    Args:
+        survey: With `/rings`, and `/inertial` and `/ties` where there are any.
+        fitted: Ellipses of the rings, with the harmonics that they share.
+
+    Raises:
+        InputError: The rings stand about the pipe's axis already, are too few, or the log does not cover them.
+    """
+    if reason := why_never(survey):
+        raise InputError(
+            f"no joint estimate: {reason}", where="estimate.method", expected="rings as the sensor saw them"
+        )
+    rings = survey.rings
+    known = np.isfinite(rings["time"].values).all() if "time" in rings else False
+    given = Rings(
+        rings["distance"].values.astype(float),
+        np.where((fitted.status == 0)[:, None], fitted.parameters, np.nan),
+        fitted.covariance,
+        rings["time"].values.astype(float) if known else None,
+        _lever(rings.attrs),
+        rings.attrs.get("distance_source", "odometer") == "odometer",
+    )
+    log = _inertial(survey.inertial) if survey.has("inertial") and known else None
+    return estimate_joint(given, log, _ties(survey), harmonics=fitted.harmonics)
+
+
+def _lever(attrs: dict[str, object]) -> tuple[float, float, float]:
+    """Return where the sensor stands from the robot's middle [m]: ahead, above, to the right."""
+    x, y, z = (float(attrs.get(f"position_{k}", attrs.get(f"offset_{k}", 0.0))) for k in _POSITION)
+    return x, y, z
+
+
+def _inertial(data: xr.Dataset) -> Inertial | None:
+    if not {"gyro", "accel"} <= set(data.variables):
+        return None
+    time, gyro, accel = (data[name].values.astype(float) for name in ("time", "gyro", "accel"))
+    known = np.isfinite(np.column_stack([time, gyro, accel])).all(axis=1)
+    return Inertial(time[known], gyro[known], accel[known])
+
+
+def _ties(survey: Survey) -> Ties | None:
+    if not survey.has("ties") or not survey.ties.sizes.get("tie", 0):
+        return None
+    data = survey.ties
+    points = np.stack([data[name].values.astype(float) for name in ("easting", "northing", "elevation")], axis=1)
+    order = np.argsort(data["distance"].values, kind="stable")
+    return Ties(data["distance"].values.astype(float)[order], points[order], data["sigma"].values.astype(float)[order])
