@@ -92,6 +92,15 @@ class LinerConfig(_Settings):
     """How often a station without a lobe may be said to show one."""
 
 
+class DetectConfig(_Settings):
+    """What rings show that is not plain wall."""
+
+    false_alarm: Annotated[float, Field(gt=0, lt=1)] = 0.01
+    """How many bumps and how many closed joints a survey may show by chance."""
+    least_depth: Fraction = 0.005
+    """Bumps shallower than this share of the diameter are left out."""
+
+
 class MetricsConfig(_Settings):
     """Diameters and what they refer to."""
 
@@ -113,6 +122,7 @@ class Config(_Settings):
     rings: RingsConfig = RingsConfig()
     clean: CleanConfig = CleanConfig()
     estimate: EstimateConfig = EstimateConfig()
+    detect: DetectConfig = DetectConfig()
     liner: LinerConfig = LinerConfig()
     metrics: MetricsConfig = MetricsConfig()
     outputs: OutputsConfig = OutputsConfig()

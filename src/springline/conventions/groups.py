@@ -38,12 +38,12 @@ def _v(name: str, dims: str, unit: str, description: str, dtype: str = "float64"
     return Variable(name, tuple(dims.split()), unit, description, dtype, required)
 
 
-def _with_sigma(variables: tuple[Variable, ...]) -> tuple[Variable, ...]:
-    """Return each variable followed by its one-sigma."""
+def _with_sigma(variables: tuple[Variable, ...], holds: str = ", fit and scale") -> tuple[Variable, ...]:
+    """Return each variable followed by its one-sigma, which holds what `holds` says."""
     return tuple(
         one
         for v in variables
-        for one in (v, Variable(f"{v.name}_sigma", v.dims, v.unit, f"one-sigma of {v.name}, fit and scale"))
+        for one in (v, Variable(f"{v.name}_sigma", v.dims, v.unit, f"one-sigma of {v.name}{holds}"))
     )
 
 
@@ -267,7 +267,33 @@ GROUPS = {
             ),
         ),
         Group("truth", "simulate", "simulations only; no stage reads it", open=True),
-        Group("candidates", "detect", "what detect saw, with its evidence", open=True),
+        Group(
+            "candidates",
+            "stages.detect",
+            "what rings and images show that is not plain wall, before it is confirmed",
+            (
+                _v("kind", "candidate", "", "joint, lateral, inward (a dent, a deposit or an intrusion)", "str", True),
+                *_with_sigma(
+                    (
+                        _v("distance", "candidate", "m", "of its middle, by the same counter as the rings and frames"),
+                        _v("bearing", "candidate", "rad", "of its middle; NaN for what goes all round"),
+                        _v("size", "candidate", "m", "width round the wall; of a joint its gap"),
+                        _v("length", "candidate", "m", "length along the pipe"),
+                        _v("depth", "candidate", "m", "positive outward, negative inward; NaN when unseen"),
+                    ),
+                    "",
+                ),
+                _v("score", "candidate", "1", "strength of the evidence, in sigmas of what chance shows"),
+                _v("probability", "candidate", "1", "that it is there", required=True),
+                _v("source", "candidate", "", "rings or images", "str", True),
+                _v("first_ring", "candidate", "1", "first ring that shows it; -1 for images", "int64"),
+                _v("last_ring", "candidate", "1", "last ring that shows it; -1 for images", "int64"),
+                _v("image", "candidate", "", "file of the frame that shows it best; empty for rings", "str"),
+                _v("opening", "ring bearing", "1", "1 where a reading falls on an opening, not on wall", "uint8"),
+            ),
+            (("false_alarm", "bumps and closed joints that a survey may show by chance"),),
+            open=True,
+        ),
         Group(
             "mask",
             "stages.clean",
@@ -403,19 +429,36 @@ GROUPS = {
         Group(
             "features",
             "stages.features",
-            "joints, laterals, dents, deposits",
+            "joints, laterals, dents, deposits and intrusions, confirmed, sized and placed on the pipe",
             (
-                _v("kind", "feature", "", "joint, lateral, dent, deposit, ...", "str", True),
+                _v("kind", "feature", "", "joint, lateral, dent, deposit or intrusion", "str", True),
                 _v("chainage", "feature", "m", "chainage of the feature's middle", required=True),
                 _v("chainage_sigma", "feature", "m", "one-sigma of chainage"),
-                _v("bearing", "feature", "rad", "bearing of the feature's middle"),
-                _v("size", "feature", "m", "size along the wall"),
-                _v("length", "feature", "m", "length along the pipe"),
-                _v("depth", "feature", "m", "depth: positive outward, negative inward"),
-                _v("confidence", "feature", "1", "probability that the feature is there"),
+                *_with_sigma(
+                    (
+                        _v("bearing", "feature", "rad", "bearing of the feature's middle; NaN for what goes all round"),
+                        _v("size", "feature", "m", "width round the wall; bore of a lateral; gap of a joint"),
+                        _v("length", "feature", "m", "length along the pipe"),
+                        _v("depth", "feature", "m", "depth: positive outward, negative inward"),
+                        _v("inclination", "feature", "rad", "of a lateral's bore, from across the pipe towards +x"),
+                        _v("protrusion", "feature", "m", "how far a lateral's end stands into the pipe"),
+                        _v("step", "feature", "m", "how far the next pipe is displaced sideways at a joint"),
+                        _v("step_y", "feature", "m", "its part up"),
+                        _v("step_z", "feature", "m", "its part to the right"),
+                        _v("step_radius", "feature", "m", "how much larger the next pipe's mean radius is"),
+                        _v("kink", "feature", "rad", "angle by which the next pipe turns at a joint"),
+                        _v("kink_up", "feature", "rad", "its part up"),
+                        _v("kink_right", "feature", "rad", "its part to the right"),
+                    ),
+                    "",
+                ),
+                _v("confidence", "feature", "1", "probability that the feature is there and is of its kind"),
                 _v("source", "feature", "", "rings, images or both", "str"),
+                _v("first_ring", "feature", "1", "first ring that shows it; -1 when none does", "int64"),
+                _v("last_ring", "feature", "1", "last ring that shows it; -1 when none does", "int64"),
                 _v("image", "feature", "", "file of the image that shows it best", "str"),
             ),
+            (("false_alarm", "bumps and closed joints that a survey may show by chance"),),
             open=True,
         ),
         Group(

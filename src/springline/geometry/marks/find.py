@@ -1,0 +1,243 @@
+"""Marks found on the unrolled wall of a whole survey: where joints, openings and bumps may be.
+
+Arrays in, a list of `Seen` out. Distances are those of the rings, bearings run from +z counter-clockwise.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from .chance import confidence, robust_sigma, threshold
+from .regions import regions, runs
+from .steps import jumps, peaks
+from .wallmap import confirmed, lasting_shape, smoothed
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from .wallmap import WallMap
+
+_LONGEST_GROOVE = 0.5
+_LONGEST_OPENING = 3.0
+_WIDEST_OPENING = np.radians(190.0)
+_LEAST_OPEN = 6
+_BLIND = 0.3
+_LEAST_GROOVE = 0.005
+_LEAST_STEP = 0.008
+
+
+class Seen(NamedTuple):
+    """One mark: what it may be, where, how large, and which rings show it.
+
+    Attributes:
+        kind: joint, lateral or inward.
+        first_ring, last_ring: Rings that show it.
+        bearing: Of its middle [rad]; NaN for what goes all round.
+        span: Arc that it takes [rad].
+        depth: Most that it stands outward (positive) or inward (negative) [m]; NaN when unseen.
+        score: In sigmas of what chance shows.
+        probability: That it is there.
+    """
+
+    kind: str
+    first_ring: int
+    last_ring: int
+    bearing: float
+    span: float
+    depth: float
+    score: float
+    probability: float
+
+
+class Rings(NamedTuple):
+    """What is known of each ring.
+
+    Attributes:
+        distance: (ring,) increasing [m].
+        centre: (ring, 2) centre_z, centre_y of its own fit [m]; NaN = not known.
+        radius: (ring,) mean radius of its own fit [m]; NaN = not known.
+        offset: (ring,) how far the ring stands out all round [m]; NaN = not known.
+        groove: (ring,) share of its readings that stand out.
+        diameter: Typical diameter [m].
+    """
+
+    distance: NDArray[np.float64]
+    centre: NDArray[np.float64]
+    radius: NDArray[np.float64]
+    offset: NDArray[np.float64]
+    groove: NDArray[np.float64]
+    diameter: float
+
+
+def find_grooves(rings: Rings) -> list[Seen]:
+    """Return the open joints: short runs of rings that stand out all round.
+
+    A run begins and ends with rings of which a part stands out, because a tilted ring enters a gap bit by bit.
+    """
+    offset = np.nan_to_num(rings.offset)
+    noise = robust_sigma(rings.offset)
+    least = max(_LEAST_GROOVE * rings.diameter, threshold(1e-3, len(offset)) * noise)
+    core = (offset > least) & (rings.groove > 0.4)
+    found = []
+    for first, last in runs(core | (rings.groove > 0.15), bridge=1).tolist():
+        inside = core[first : last + 1]
+        if not inside.any():
+            continue
+        length = rings.distance[last] - rings.distance[first]
+        if length > _LONGEST_GROOVE * rings.diameter or last - first == len(offset) - 1:
+            continue
+        part = offset[first : last + 1][inside]
+        depth = float(part.max())
+        score = depth / max(noise, 1e-9)
+        sure = float(confidence(score, len(offset), expected=1.0))
+        found.append(Seen("joint", first, last, np.nan, 2.0 * np.pi, depth, score, sure))
+    return found
+
+
+def find_steps(rings: Rings, grooves: list[Seen], *, window: int, false_alarms: float) -> list[Seen]:
+    """Return the closed joints: places where the pipe's middle or radius jumps between two rings.
+
+    Args:
+        rings: The rings.
+        grooves: Joints found already; nothing is looked for within half a diameter of them.
+        window: Rings on each side.
+        false_alarms: How many the survey may show by chance.
+    """
+    values = np.column_stack([rings.centre, rings.radius])
+    near = np.zeros(len(values), bool)
+    for one in grooves:
+        values[max(one.first_ring - 1, 0) : one.last_ring + 2] = np.nan
+        low, high = np.searchsorted(
+            rings.distance,
+            [
+                rings.distance[one.first_ring] - 0.5 * rings.diameter,
+                rings.distance[one.last_ring] + 0.5 * rings.diameter,
+            ],
+        )
+        near[low:high] = True
+    step = jumps(rings.distance, values, np.ones(3), window=window).step
+    sigma = np.array([robust_sigma(column) for column in step.T])
+    if not np.isfinite(sigma).all():
+        return []
+    with np.errstate(invalid="ignore"):
+        score = np.sqrt(np.nansum((step / np.maximum(sigma, 1e-7)) ** 2, axis=1) / 3.0)
+        size = np.hypot(np.hypot(step[:, 0], step[:, 1]), step[:, 2])
+    looks = len(score)
+    score[near | ~(size > _LEAST_STEP * rings.diameter)] = 0.0
+    least = threshold(false_alarms, looks)
+    found = []
+    for k in peaks(score, rings.distance, least=least, apart=0.5 * rings.diameter).tolist():
+        sure = float(confidence(score[k], looks, expected=1.0))
+        bearing = float(np.arctan2(step[k, 1], step[k, 0]))
+        found.append(Seen("joint", k - 1, k, bearing, 2.0 * np.pi, np.nan, float(score[k]), sure))
+    return found
+
+
+def find_openings(rings: Rings, cells: WallMap, joints: NDArray[np.bool_], *, window: int) -> list[Seen]:
+    """Return the openings: patches where the wall is missing or stands far out, with wall all about them.
+
+    Args:
+        rings: The rings.
+        cells: The unrolled wall.
+        joints: (row,) rows that belong to joints; they bound no opening and are none.
+        window: Rows over which missing readings are taken for a property of the sensor or of standing water.
+    """
+    base = lasting_shape(cells.missing / np.maximum(cells.possible, 1), window=window)
+    # Where readings are lacking for metres (a blind sector, water) their lack says nothing.
+    counts = np.clip(1.0 - base / _BLIND, 0.0, 1.0) * (cells.water == 0)
+    opened = cells.far + counts * cells.missing
+    flags = opened > 0.5 * np.maximum(cells.possible, 1)
+    flags[joints] = False
+    flags = _bridged(flags, joints)
+    patch = regions(flags)
+    width = 2.0 * np.pi / flags.shape[1]
+    found = []
+    ring_of = np.searchsorted(cells.row, np.arange(len(cells.possible) + 1))
+    for k in range(len(patch.cells)):
+        first, last = int(ring_of[patch.first_row[k]]), int(ring_of[patch.last_row[k] + 1]) - 1
+        length = rings.distance[last] - rings.distance[first]
+        span = float(patch.columns[k] * width)
+        if length > _LONGEST_OPENING * rings.diameter or span > _WIDEST_OPENING:
+            continue
+        if patch.first_row[k] == 0 or patch.last_row[k] == len(flags) - 1:
+            continue
+        rows = slice(patch.first_row[k], patch.last_row[k] + 1)
+        inside = patch.labels[rows] == k + 1
+        possible, far, gone = (a[rows][inside].sum() for a in (cells.possible, cells.far, opened))
+        if gone < _LEAST_OPEN:
+            continue
+        bearing = float(patch.first_column[k] * width + 0.5 * span)
+        sure = _opening_sure(far, gone - far)
+        found.append(Seen("lateral", first, last, bearing % (2 * np.pi), span, np.nan, np.sqrt(possible), sure))
+    return found
+
+
+def _bridged(flags: NDArray[np.bool_], joints: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """Return the flags with an opening on both sides of a joint's rows carried across them."""
+    out = flags.copy()
+    for first, last in runs(joints).tolist():
+        if first > 0 and last + 1 < len(flags):
+            out[first : last + 1] = flags[first - 1] & flags[last + 1]
+    return out
+
+
+def _opening_sure(far: float, missing: float) -> float:
+    """Return the probability that a patch is an opening: returns from beyond the wall prove it, their lack does not.
+
+    Wet or black wall sends nothing back either, so that a patch of missing readings alone is an opening in half of all
+    cases at best.
+    """
+    proof = far / max(far + missing, 1.0)
+    several = 1.0 - np.exp(-0.25 * (far + missing))
+    return float(several * (0.5 + 0.5 * min(1.0, proof / 0.1)))
+
+
+def find_bumps(
+    rings: Rings, cells: WallMap, height: NDArray[np.float64], *, false_alarms: float, least: float
+) -> list[Seen]:
+    """Return where the wall stands inward over a patch: dents, deposits, intrusions.
+
+    Boxes of one, three and seven cells are compared with what such boxes show elsewhere on the same wall, so that
+    roughness, which errs alike over a patch, counts as it is.
+
+    Args:
+        rings: The rings.
+        cells: The unrolled wall.
+        height: (row, column) deviation of the wall from what goes on along the pipe [m]; NaN = not seen.
+        false_alarms: How many the survey may show by chance.
+        least: Least depth [m].
+    """
+    height = confirmed(height)
+    flags = np.zeros(height.shape, bool)
+    seeds, scores = np.zeros(height.shape, bool), np.zeros(height.shape)
+    for size in (1, 3, 7):
+        if size > height.shape[1] // 3:
+            continue
+        mean, _ = smoothed(height, along=size, around=size)
+        sigma = max(robust_sigma(mean), 1e-7)
+        limit = threshold(false_alarms / 3.0, height.size / size**2)
+        with np.errstate(invalid="ignore"):
+            score = np.nan_to_num(-mean / sigma)
+            seeds |= (score > limit) & (mean < -least)
+            flags |= (score > 3.0) & (mean < -0.25 * least)
+        scores = np.maximum(scores, score)
+    patch = regions(flags | seeds)
+    width = 2.0 * np.pi / height.shape[1]
+    ring_of = np.searchsorted(cells.row, np.arange(len(cells.possible) + 1))
+    found = []
+    for k in range(len(patch.cells)):
+        rows = slice(patch.first_row[k], patch.last_row[k] + 1)
+        inside = patch.labels[rows] == k + 1
+        if not (seeds[rows] & inside).any():
+            continue
+        first, last = int(ring_of[patch.first_row[k]]), int(ring_of[patch.last_row[k] + 1]) - 1
+        best = int(np.argmax(np.where(inside, scores[rows], -1.0)))
+        column, score = best % height.shape[1], float(scores[rows].flat[best])
+        sure = float(confidence(score, height.size, expected=1.0))
+        span = float(patch.columns[k] * width)
+        deepest = float(np.nanmin(np.where(inside, height[rows], np.nan)))
+        bearing = float((column + 0.5) * width)
+        found.append(Seen("inward", first, last, bearing, span, deepest, score, sure))
+    return found
