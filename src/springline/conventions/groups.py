@@ -213,7 +213,7 @@ GROUPS = {
             "io",
             "what people coded from CCTV, as an exchange file has it; codes that are not known are carried",
             (
-                _v("inspection", "observation", "1", "row of the inspection that it belongs to", "int64", True),
+                _v("inspection_row", "observation", "1", "row of the inspection that it belongs to", "int64", True),
                 _v("distance", "observation", "m", "what the counter read, from the inspection's start", required=True),
                 _v("code", "observation", "", "code as in the file", "str", True),
                 _v("kind", "observation", "", "joint, lateral, ... as in /features; empty for a code without", "str"),
@@ -242,7 +242,7 @@ GROUPS = {
             "io",
             "what people coded from CCTV, as an exchange file has it; codes that are not known are carried",
             (
-                _v("inspection", "observation", "1", "row of the inspection that it belongs to", "int64", True),
+                _v("inspection_row", "observation", "1", "row of the inspection that it belongs to", "int64", True),
                 _v("distance", "observation", "m", "what the counter read, from the inspection's start", required=True),
                 _v("code", "observation", "", "code as in the file", "str", True),
                 _v("kind", "observation", "", "joint, lateral, ... as in /features; empty for a code without", "str"),

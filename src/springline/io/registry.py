@@ -18,6 +18,7 @@ _CLOUD = frozenset(("nominal_diameter", "format", "unit", "axes", "sensor", "nam
 _RINGS = frozenset(("nominal_diameter", "format", "unit", "bearing_zero", "bearing_sense", "sensor", "name"))
 _DEPTH = frozenset(("nominal_diameter", "format", "intrinsics", "depth_unit", "axes", "sensor", "name"))
 _STORED = frozenset(("nominal_diameter", "format", "sensor", "name"))
+_CODED = frozenset(("format", "name"))
 _LIBRARIES = {"depth": ("PIL",), "las": ("laspy", "lazrs"), "e57": ("pye57",), "parquet": ("pyarrow",)}
 _TABLE = (("rings",), ("distance", "time", "bearing", "range"))
 _PARTS = ("rings", "rings_rear", "inertial", "ties", "frames", "calibration")
@@ -87,6 +88,13 @@ FORMATS = {
                "ring_csv:read_ring_csv", "ring_csv:write_ring_csv", None, _RINGS, *_TABLE),
         Format("parquet", "ring table as Parquet, wide or long", (".parquet", ".pq"), "rings",
                "ring_parquet:read_ring_parquet", "ring_parquet:write_ring_parquet", "parquet", _RINGS, *_TABLE),
+        Format("en13508", "EN 13508-2 exchange text", (".en13508.txt",), "observations", "en13508:read_en13508", None,
+               None, _CODED),
+        Format("isybau", "ISYBAU XML: condition data", (".isybau.xml",), "observations", "isybau:read_isybau", None,
+               None, _CODED),
+        Format("m150", "DWA-M 150 XML, type B", (".m150.xml",), "observations", "m150:read_m150", None, None, _CODED),
+        Format("pacp", "PACP tables as CSV", (".pacp",), "observations", "pacp:read_pacp", None, None,
+               _CODED | {"unit"}),
         Format("folder", "survey folder: survey.toml beside its tables", ("",), "surveys",
                "survey_folder:read_folder", "folder_writer:write_folder", None, _RINGS, _PARTS),
         Format("zarr", "Springline's own store, a folder or one .zip", (".zarr", ".zarr.zip", ".zip"), "surveys",

@@ -54,6 +54,8 @@ def sniff(path: Path) -> str | None:
             return key
     if head.startswith(b"PK"):
         return _sniff_zip(path)
+    if (coded := _sniff_coded(head)) is not None:
+        return coded
     if head.lstrip().startswith((b"# .PCD", b"VERSION ", b"# PCD")) and b"FIELDS" in head:
         return "pcd"
     return _sniff_mesh(path, head) or _sniff_text(path, head) or _BY_EXTENSION.get(path.suffix.lower())
@@ -62,6 +64,8 @@ def sniff(path: Path) -> str | None:
 def _sniff_folder(path: Path) -> str:
     if (path / "survey.toml").is_file():
         return "folder"
+    if (path / "Conditions.csv").is_file():
+        return "pacp"
     if (path / "zarr.json").is_file() or (path / ".zgroup").is_file() or path.suffix == ".zarr":
         return "zarr"
     raise InputError(
@@ -69,6 +73,19 @@ def _sniff_folder(path: Path) -> str:
         where=path,
         mend="name the files in it",
     )
+
+
+def _sniff_coded(head: bytes) -> str | None:
+    """Return the key of a format of CCTV observations, told by its first lines."""
+    text = head.removeprefix(b"\xef\xbb\xbf").lstrip()
+    if text.startswith(b"#A1=") or (text.startswith(b"#B") and b"#C=" in text):
+        return "en13508"
+    if text.startswith(b"<"):
+        if b"<Identifikation" in text:
+            return "isybau"
+        return "m150" if b"<DATA" in text and b"<FD>" in text else None
+    first = text.split(b"\n", 1)[0].lower()
+    return "pacp" if b"pacp_code" in first and b"distance" in first else None
 
 
 def _sniff_zip(path: Path) -> str | None:
