@@ -12,8 +12,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 from scipy.special import ellipeinc
 
+from springline.geometry.checks import TOLERANCE, between, positive
+
 from ...conventions import CROWN
-from ..sections.checks import TOLERANCE, between, positive
 from ..sections.search import golden, rising_root
 from .lobes import wrapped
 

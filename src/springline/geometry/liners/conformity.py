@@ -8,10 +8,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from springline.geometry.checks import positive
+
 from ...conventions import CROWN
 from ...errors import ParameterError
 from ..sections import quadrature
-from ..sections.checks import positive
 from ..sections.ellipses import perimeter
 from ..sections.search import golden, maximise
 from .hosts import host_arc, host_polar

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from scipy.special import ellipe, ellipeinc
 
-from ..sections.checks import positive
+from springline.geometry.checks import positive
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray

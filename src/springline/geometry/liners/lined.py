@@ -10,10 +10,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from springline.geometry.checks import positive
+
 from ...conventions import CROWN
 from ...errors import ParameterError
 from ..sections.base import Section
-from ..sections.checks import positive
 from .chicurel import ChicurelLobe
 from .hosts import host_polar, polar_curvature
 from .lobes import Lobe, LobeOfAnyKind, SmoothLobe, each, wrapped

@@ -14,8 +14,9 @@ from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 
+from springline.geometry.checks import TOLERANCE, between, positive
+
 from ...conventions import CROWN
-from ..sections.checks import TOLERANCE, between, positive
 from .hosts import host_polar, polar_curvature
 
 if TYPE_CHECKING:

@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from scipy.special import ellipe
 
-from ..sections.checks import between, positive
+from springline.geometry.checks import between, positive
+
 from ..sections.search import rising_root
 from .lined import Joints, Liner
 

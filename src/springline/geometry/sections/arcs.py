@@ -131,7 +131,7 @@ class ArcSection(Section):
 
     def _curvature(self, bearing: Array) -> Array:
         _, piece, t = self._meet(bearing)
-        with np.errstate(divide="ignore", invalid="ignore"):
+        with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
             bend = piece.a * piece.b / np.hypot(piece.a * np.sin(t), piece.b * np.cos(t)) ** 3
         return np.where(piece.straight, 0.0, bend)
 
@@ -144,7 +144,7 @@ class ArcSection(Section):
         own = np.conj(np.exp(1j * piece.tilt))
         e = own * ray
         w = -own * piece.centre
-        with np.errstate(divide="ignore", invalid="ignore"):
+        with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
             ex, ey, wx, wy = e.real / piece.a, e.imag / piece.b, w.real / piece.a, w.imag / piece.b
             square, half = ex * ex + ey * ey, wx * ex + wy * ey
             arc = (np.sqrt(np.maximum(square - (wx * ey - wy * ex) ** 2, 0.0)) - half) / square

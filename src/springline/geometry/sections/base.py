@@ -17,8 +17,9 @@ from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
+from springline.geometry.checks import choice
+
 from . import hull
-from .checks import one_of
 from .quadrature import spread
 from .search import maximise
 
@@ -64,8 +65,8 @@ class Diameters:
 
         Source: (1.3); the definitions side by side in errata A2.
         """
-        one_of("mean", mean, ("axes", "polar", "area", "caliper"))
-        one_of("extreme", extreme, ("max", "min"))
+        choice("mean", mean, ("axes", "polar", "area", "caliper"))
+        choice("extreme", extreme, ("max", "min"))
         m = getattr(self, mean)
         return self.largest.length / m - 1.0 if extreme == "max" else 1.0 - self.smallest.length / m
 

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 from scipy.special import ellipe, ellipkm1
 
-from .checks import between, one_of, positive
+from springline.geometry.checks import between, choice, positive
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
@@ -47,7 +47,7 @@ def perimeter_ramanujan(semi_a: ArrayLike, semi_b: ArrayLike, *, order: Literal[
     >>> round(float(perimeter_ramanujan(2.0, 1.0)), 10), round(float(perimeter_ramanujan(2.0, 1.0, order=2)), 10)
     (9.6884210977, 9.6884482161)
     """
-    one_of("order", order, (1, 2))
+    choice("order", order, (1, 2))
     a, b = positive("semi_a", semi_a), positive("semi_b", semi_b)
     if order == 1:
         return np.pi * (3.0 * (a + b) - np.sqrt((a + 3.0 * b) * (3.0 * a + b)))
@@ -71,7 +71,7 @@ def semi_major(s: ArrayLike, r: ArrayLike = 1.0, *, rule: Rule = "exact") -> Arr
     >>> round(float(semi_major(0.8)), 12), round(float(semi_major(0.8, rule="ramanujan")), 12)
     (1.181586833871, 1.181587019651)
     """
-    one_of("rule", rule, RULES)
+    choice("rule", rule, RULES)
     return positive("r", r) * partner_axis(between("s", s, 0.0, 1.0, bounds="(]"), rule)
 
 
@@ -86,7 +86,7 @@ def severity_of_major(a: ArrayLike, r: ArrayLike = 1.0, *, rule: Rule = "exact")
     >>> round(float(severity_of_major(semi_major(0.7))), 12)
     0.7
     """
-    one_of("rule", rule, RULES)
+    choice("rule", rule, RULES)
     r = positive("r", r)
     a = between("a", a, r, LARGEST_MAJOR[rule] * r, bounds="[)", given={"r": r})
     return np.minimum(partner_axis(a / r, rule), 1.0)

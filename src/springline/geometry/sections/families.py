@@ -12,7 +12,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from .checks import one_of
+from springline.geometry.checks import choice
+
 from .ellipses import RULES, Rule
 from .hinged import hinged
 from .severity import MODES, s1_limits
@@ -105,8 +106,8 @@ def mode_family(mode: int, *, rule: Rule = "exact") -> Family:
     >>> mode_family(5).parameters
     ('r', 's1', 's02', 's01')
     """
-    one_of("mode", mode, MODES)
-    one_of("rule", rule, RULES)
+    choice("mode", mode, MODES)
+    choice("rule", rule, RULES)
     names = ("r", "s1", *(("s02",) if mode >= 4 else ()), *(("s01",) if mode == 5 else ()))
 
     def build(r: Array, s1: Array, s02: ArrayLike = 1.0, s01: ArrayLike = 1.0) -> Section:

@@ -12,9 +12,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 from scipy.special import ellipe, ellipeinc
 
+from springline.geometry.checks import TOLERANCE, between, choice, positive
+
 from . import quadrature, severity
 from .base import Chord, Section
-from .checks import TOLERANCE, between, one_of, positive
 from .ellipses import RULES, Rule, partner_axis
 
 if TYPE_CHECKING:
@@ -55,7 +56,7 @@ def hinge(s0: ArrayLike, s: ArrayLike, r: ArrayLike = 1.0, *, rule: Rule = "exac
     >>> round(float(hinge(0.95, 0.9).springline), 6)
     1.091988
     """
-    one_of("rule", rule, RULES)
+    choice("rule", rule, RULES)
     r = positive("r", r)
     s0 = between("s0", s0, 0.0, 1.0, bounds="(]")
     s = between("s", s, 0.0, s0 * (1.0 + TOLERANCE), bounds="(]", given={"s0": s0})
@@ -100,7 +101,7 @@ def hinged(
     >>> pipe.polar_radius([0.0, np.pi / 2]).round(4).tolist()
     [[0.3, 0.3], [0.3286, 0.2684]]
     """
-    one_of("rule", rule, RULES)
+    choice("rule", rule, RULES)
     s1, s02, s01 = severity.canonical(mode, s1, s02, s01, rule=rule)
     shape = np.broadcast_shapes(s1.shape, np.shape(r), np.shape(inverted))
     table = np.broadcast_to(severity.hinge_table(s1, s02, s01, rule=rule), (*shape, 12))

@@ -10,9 +10,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from springline.geometry.checks import between, choice, positive
+
 from ...errors import ParameterError
 from .arcs import ArcSection, Pieces
-from .checks import between, one_of, positive
 from .ellipses import RULES, Rule, partner_axis
 
 if TYPE_CHECKING:
@@ -49,7 +50,7 @@ def linkage(
     >>> round(float(skewed.perimeter / (2 * np.pi)), 12)
     1.0
     """
-    one_of("rule", rule, RULES)
+    choice("rule", rule, RULES)
     r = positive("r", r)
     s0 = between("s0", s0, 0.0, 1.0, bounds="(]")
     hinges = np.asarray(hinges, float)

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from scipy.special import ellipe, ellipeinc, log_ndtr
 
-from .checks import between, positive
+from springline.geometry.checks import between, positive
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray

@@ -11,8 +11,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from springline.geometry.checks import between, positive
+
 from ...errors import ParameterError
-from .checks import between, positive
 
 if TYPE_CHECKING:
     from collections.abc import Callable

@@ -18,8 +18,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from springline.geometry.checks import TOLERANCE, between, choice
+
 from ...errors import ParameterError
-from .checks import TOLERANCE, between, one_of
 from .ellipses import RULES, Rule, partner_axis
 
 if TYPE_CHECKING:
@@ -93,7 +94,7 @@ def s1_limits(
     >>> [round(float(s), 6) for s in s1_limits(3, rule="ramanujan")], round(float(s1_limits(3)[0]), 6)
     ([0.463431, 1.0], 0.463322)
     """
-    one_of("rule", rule, RULES)
+    choice("rule", rule, RULES)
     mode = np.asarray(mode)
     if not np.isin(mode, MODES).all():
         raise ParameterError(f"mode = {mode} is unknown", expected="a mode from 1 to 5")

@@ -11,8 +11,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from springline.geometry.checks import between, positive
+
 from .arcs import ArcSection, Pieces
-from .checks import between, positive
 from .profiles import Arc, Corner, Line, symmetric
 
 if TYPE_CHECKING:

@@ -65,7 +65,7 @@ def test_nan_stays_nan():
 @pytest.mark.parametrize(
     ("call", "message"),
     [
-        (lambda: axis(np.pi / 2, 0.0), r"pitch = 1.5708 .* -pi/2 < pitch < pi/2"),
+        (lambda: axis(np.pi / 2, 0.0), r"pitch = 1.570796327 .* -pi/2 < pitch < pi/2"),
         (lambda: axis(0.0, [0.1, -15.0]), "yaw = -15"),
         (lambda: frame(0.1, 0.1, order="yaw_ptch"), "did you mean 'yaw_pitch'"),
         (lambda: frame(0.1, 0.1, np.inf), "roll = inf"),

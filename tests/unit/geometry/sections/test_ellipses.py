@@ -64,7 +64,7 @@ def test_polar_ellipse_about_another_origin_lies_on_the_ellipse():
         ),
         (lambda: ellipses.severity_of_major(0.99), "a = 0.99 is out of range"),
         (lambda: ellipses.perimeter(1.0, -1.0), "semi_b = -1 is out of range"),
-        (lambda: ellipses.semi_major(0.9, rule="euler"), "rule = 'euler' is unknown"),
+        (lambda: ellipses.semi_major(0.9, rule="euler"), "rule = 'euler' is not known"),
     ],
 )
 def test_out_of_range_is_refused_by_name_value_and_range(call, message):

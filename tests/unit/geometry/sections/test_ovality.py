@@ -15,7 +15,7 @@ def test_definitions_of_an_ellipse_side_by_side():
     assert largest == pytest.approx([9.09090909, 9.77213763, 9.54451150, 8.86586320], abs=1e-8)
     assert smallest == pytest.approx([9.09090909, 8.52321865, 8.71290708, 9.27844733], abs=1e-8)
     assert ovality(found.largest.length, found.polar) == pytest.approx(found.ovality("polar"))
-    with pytest.raises(ParameterError, match="mean = 'median' is unknown"):
+    with pytest.raises(ParameterError, match="mean = 'median' is not known"):
         found.ovality("median")
 
 

@@ -14,8 +14,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from springline.geometry.checks import choice
+
 from ...sections import FAMILIES, SHAPES
-from ...sections.checks import one_of
 from ...sections.severity import chord, hinge_table
 from .chains import chain_of_hinges, chain_of_pieces
 
@@ -120,7 +121,7 @@ def model_of(name: str) -> Model:
     >>> model_of("egg").limits
     ('invert_radius < width/2', 'height >= width', 'invert_radius > 0')
     """
-    one_of("family", name, MODELS)
+    choice("family", name, MODELS)
     return _mode_model(int(name[5:])) if name.startswith("mode ") else _shape_model(name)
 
 
