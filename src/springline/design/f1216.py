@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from springline.geometry.checks import choice, finite, positive, require
+from springline.geometry.sections import reduction_factor
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
@@ -63,7 +64,7 @@ def ovality_factor(ovality: ArrayLike) -> Array:
     """
     q = finite("ovality", ovality)
     require(np.isnan(q) | ((q >= 0) & (q < 1)), "ovality", q, "0 <= ovality < 1", "give a fraction, not percent")
-    return ((1.0 - q) / (1.0 + q) ** 2) ** 3
+    return reduction_factor(q)
 
 
 def buckling_pressure(
