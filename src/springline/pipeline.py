@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from . import __version__
+from .calibration import apply_calibration
 from .config import Config
 from .design import judge, load_rule
 from .stages.clean import clean
@@ -55,6 +56,7 @@ def inspect(
     """
     config, rules = config or Config(), [load_rule(name) for name in checks]
     survey = add_run(validate(survey.source()), version=__version__, config=config.model_dump(mode="json"))
+    survey = apply_calibration(survey)
     for done, stage in enumerate(STAGES):
         if progress:
             progress(stage.__name__, done / len(STAGES))

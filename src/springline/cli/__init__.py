@@ -20,6 +20,7 @@ _COMMANDS = {
     "demo": "Run the main job on the built-in survey.",
     "formats": "List the formats that can be read and written.",
     "convert": "Convert a survey from one format to another.",
+    "calibrate": "Calibrate a sensor from references, or study a method's precision.",
     "simulate": "Simulate a survey with known truth from a scenario.",
     "design": "Size a liner, from numbers or along an inspected pipe.",
     "reproduce": "Make the dissertation's tables and figures again, beside what was printed.",

@@ -40,6 +40,10 @@ def inspect(
         str | None, typer.Option("--base", metavar="LENGTH", help="Base (inside) diameter that deflection refers to.")
     ] = None,
     config: Annotated[Path | None, typer.Option("--config", metavar="FILE", help="Settings in TOML.")] = None,
+    calibration: Annotated[
+        Path | None,
+        typer.Option("--calibration", metavar="FILE", help="The sensor's calibration, from: springline calibrate ring"),
+    ] = None,
     check: Annotated[
         list[str] | None, typer.Option("--check", metavar="RULE", help="Acceptance rule to judge; may be repeated.")
     ] = None,
@@ -92,6 +96,8 @@ def inspect(
     }
     if overrides is not None:
         surveys = _corrected(surveys, overrides)
+    if calibration is not None:
+        surveys = _calibrated(surveys, calibration)
     checks = tuple(check or ())
     if len(surveys) == 1:
         found: Any = inspect_into(next(iter(surveys.values())), output, settings, checks=checks, force=force)
@@ -105,6 +111,16 @@ def inspect(
         for one in results:
             tell(one, output / one["folder"] if "folder" in one else output)
     finish(results)
+
+
+def _calibrated(surveys: dict[str, Survey], path: Path) -> dict[str, Survey]:
+    from ..calibration import with_calibration
+    from ..io.calibration_file import read_calibration
+    from ..survey import add_inputs, fingerprint
+
+    found = read_calibration(path)
+    file = fingerprint(path)
+    return {key: add_inputs(with_calibration(survey, found), file) for key, survey in surveys.items()}
 
 
 def _read(inputs: list[Path], options: ReadOptions, *, keep_going: bool) -> dict[str, Survey]:

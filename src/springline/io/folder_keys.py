@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterable
     from pathlib import Path
 
-PARTS = ("rings", "rings_rear", "inertial", "ties", "frames")
+PARTS = ("rings", "rings_rear", "inertial", "ties", "frames", "calibration")
 """Parts of a survey folder, each a file."""
 
 _TEXTS = ("name", "material", "crs", "operator", "equipment")
@@ -90,10 +90,11 @@ def _sensor(table: dict[str, Any], path: Path) -> dict[str, Any]:
         place = f"sensor.{key}"
         if key in _CHOICES:
             attrs["sensor_kind" if key == "kind" else key] = _choice(value, _CHOICES[key], path, place)
-        elif key.endswith("_deg"):
+        elif key.endswith("_deg") or key == "range_scale_applied":
+            kind, wanted = ("an angle", "degrees, a number") if key.endswith("_deg") else ("a number", "about 1")
             if isinstance(value, bool) or not isinstance(value, (int, float)):
-                raise InputError(f"{value!r} is not an angle", where=f"{path}, {place}", expected="degrees, a number")
-            attrs[key.removesuffix("_deg")] = radians(value)
+                raise InputError(f"{value!r} is not {kind}", where=f"{path}, {place}", expected=wanted)
+            attrs[key.removesuffix("_deg")] = radians(value) if key.endswith("_deg") else float(value)
         else:
             attrs[key] = _length(value, path, place, signed=key.startswith("offset"))
     return attrs

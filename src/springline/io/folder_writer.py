@@ -10,6 +10,7 @@ import numpy as np
 import tomli_w
 
 from ..conventions import SURVEY_FOLDER_KEYS, SURVEY_SENSOR_KEYS
+from .calibration_file import write_calibration
 from .ring_csv import write_ring_csv
 
 if TYPE_CHECKING:
@@ -26,7 +27,8 @@ _TIES = ("distance", "easting", "northing", "elevation", "sigma")
 
 
 def write_folder(survey: Survey, path: Path) -> None:
-    """Write `survey.toml` and a table for each of `/rings`, `/rings_rear`, `/inertial`, `/ties`, `/frames`.
+    """Write `survey.toml`, a table for each of `/rings`, `/rings_rear`, `/inertial`, `/ties`, `/frames`, and the
+    calibration.
 
     Ranges and distances are written to 1e-6 m, bearings from +z counter-clockwise. Frame images stay where they are.
     """
@@ -48,8 +50,14 @@ def write_folder(survey: Survey, path: Path) -> None:
     if "rings" in parts or "rings_rear" in parts:
         keys["sensor"] = _sensor(survey.group("rings" if "rings" in parts else "rings_rear"))
         keys["units"] = {"range": "m"}
-    if survey.has("calibration") and "lens" in survey.calibration.attrs:
-        keys["lens"] = json.loads(survey.calibration.attrs["lens"])
+    if survey.has("calibration"):
+        calibration = survey.calibration
+        if "lens" in calibration.attrs:
+            keys["lens"] = json.loads(calibration.attrs["lens"])
+        if calibration.data_vars:
+            parts["calibration"] = "calibration.toml"
+            rest = {name: value for name, value in calibration.attrs.items() if name != "lens"}
+            write_calibration(calibration.drop_attrs().assign_attrs(rest), path / parts["calibration"])
     assumed = "".join(f"# assumed when this folder was written: {sentence}\n" for sentence in survey.assumptions)
     (path / "survey.toml").write_text(assumed + tomli_w.dumps(keys), encoding="utf-8")
 
@@ -64,7 +72,10 @@ def _sensor(rings: xr.Dataset) -> dict[str, Any]:
         if key.startswith("bearing") or stored not in rings.attrs:
             continue
         value = rings.attrs[stored]
-        table[key] = value if isinstance(value, str) else degrees(value) if key.endswith("_deg") else f"{value:.9g} m"
+        if isinstance(value, str) or key == "range_scale_applied":
+            table[key] = value
+        else:
+            table[key] = degrees(value) if key.endswith("_deg") else f"{value:.9g} m"
     return table
 
 

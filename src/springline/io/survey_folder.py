@@ -11,6 +11,7 @@ import xarray as xr
 from ..errors import InputError
 from ..survey import Survey, add_assumption
 from . import registry
+from .calibration_file import read_calibration
 from .folder_keys import PARTS, read_keys
 from .folder_parts import read_frames, read_inertial, read_ties
 from .rings import Statements
@@ -28,13 +29,15 @@ _DEFAULTS = {
     "inertial": ("inertial.csv",),
     "ties": ("ties.csv",),
     "frames": ("frames.csv",),
+    "calibration": ("calibration.toml",),
 }
 _RING_FORMATS = ("csv", "parquet", "npy")
 _FLAGS = 'bearing_zero = "crown" and bearing_sense = "cw" in the table [sensor] of survey.toml'
 
 
 def read_folder(path: Path, options: ReadOptions) -> Survey:
-    """Read a survey folder into `/rings`, `/inertial`, `/ties`, `/frames`; lens models into `/calibration`.
+    """Read a survey folder into `/rings`, `/inertial`, `/ties`, `/frames`; calibration and lens models into
+    `/calibration`.
 
     A part that `[parts]` does not name is looked for under its usual name, such as `ties.csv`. Units in a column's
     name win over `[units]`; the user's word wins over `[sensor]`.
@@ -60,8 +63,11 @@ def read_folder(path: Path, options: ReadOptions) -> Survey:
     if "frames" in groups:
         _check_lenses(groups["frames"], keys, files["frames"])
         groups["frames"].attrs["folder"] = str(path.resolve())
+    if "calibration" in files:
+        groups["calibration"] = read_calibration(files["calibration"])
     if keys.lens:
-        groups["calibration"] = xr.Dataset(attrs={"lens": json.dumps(keys.lens)})
+        known = groups.get("calibration", xr.Dataset())
+        groups["calibration"] = known.assign_attrs(lens=json.dumps(keys.lens))
     return add_assumption(Survey(groups, keys.attrs), *assumptions)
 
 

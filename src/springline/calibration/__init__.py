@@ -1,0 +1,46 @@
+"""Calibration of a range sensor against references.
+
+`calibrate_ring` makes the group `/calibration` from scans of a reference ring or pipe of known diameter;
+`apply_calibration` corrects a survey by it.
+"""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from .apply import apply_calibration, with_calibration
+    from .noise import NoiseLaw, fit_noise_law
+    from .reference import ReferenceFit, fit_reference, reference_shapes
+    from .ring import calibrate_ring
+
+_HOMES = {
+    "NoiseLaw": "noise",
+    "ReferenceFit": "reference",
+    "apply_calibration": "apply",
+    "calibrate_ring": "ring",
+    "fit_noise_law": "noise",
+    "fit_reference": "reference",
+    "reference_shapes": "reference",
+    "with_calibration": "apply",
+}
+
+__all__ = [
+    "NoiseLaw",
+    "ReferenceFit",
+    "apply_calibration",
+    "calibrate_ring",
+    "fit_noise_law",
+    "fit_reference",
+    "reference_shapes",
+    "with_calibration",
+]
+
+
+def __getattr__(name: str) -> Any:
+    if name in _HOMES:
+        value = getattr(import_module(f".{_HOMES[name]}", __name__), name)
+        globals()[name] = value
+        return value
+    raise AttributeError(f"module '{__name__}' has no attribute '{name}'")
