@@ -17,7 +17,8 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from .data import builtin_survey
-    from .io import read, write
+    from .io import read
+    from .outputs.exchange import write
     from .pipeline import inspect
     from .simulate import simulate
     from .survey import Survey
@@ -27,7 +28,7 @@ __version__ = "0.1.0"
 # Heavy libraries load when a name is first used, so that `import springline` stays quick.
 _HOMES = {
     "read": "io",
-    "write": "io",
+    "write": "outputs.exchange",
     "inspect": "pipeline",
     "simulate": "simulate",
     "Survey": "survey",

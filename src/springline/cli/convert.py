@@ -25,7 +25,8 @@ _TO = typer.Option("--to", metavar="FORMAT", help="Format of the output, instead
     epilog="Examples:  springline convert scan.laz scan.ply  |  "
     "springline convert rings.csv rings.parquet --unit mm --bearing-zero crown --bearing-sense cw  |  "
     "springline convert depth.png cloud.ply --intrinsics 421.1,421.1,426.2,237.0  |  "
-    "springline convert survey.zarr.zip FOLDER --to folder"
+    "springline convert survey.zarr.zip FOLDER --to folder  |  "
+    "springline convert report/survey.zarr.zip stations.gpkg"
 )
 def convert(
     source: Annotated[Path, typer.Argument(metavar="IN", help="File, survey folder or zarr store.")],
@@ -44,13 +45,13 @@ def convert(
     force: Force = False,
     as_json: Json = False,
 ) -> None:
-    """Convert a scan from one format to another.
+    """Convert a scan from one format to another, or export the results of an inspection.
 
     Writes whole or not at all. Told on stderr: what was assumed while reading, what the output cannot hold.
     """
     from ..io.reading import read_one
-    from ..io.registry import by_key
-    from ..io.writing import left_out, output_format, write
+    from ..io.writing import left_out, output_format
+    from ..outputs.exchange.writing import export_of, known_format, write
 
     options = reading.read_options(
         nominal=nominal,
@@ -64,18 +65,22 @@ def convert(
         sensor=sensor,
         name=name,
     )
-    kind = output_format(target, None if to is None else by_key(to, where="--to").key)
+    key = None if to is None else known_format(to, where="--to")
+    export = export_of(target, key)
+    kind = export or output_format(target, key)
     if source.exists() and target.exists() and source.samefile(target):
         raise InputError("the output is the input", where=target, mend="choose another name")
     survey = read_one(source, options)
     write(survey, target, format=kind.key, force=force)
-    lost = left_out(survey, kind)
+    lost = [] if export else left_out(survey, kind)
     if as_json:
         record = {"input": str(source), "output": str(target), "format": kind.key, "groups": _sizes(survey)}
         typer.echo(json.dumps({**record, "assumptions": survey.assumptions, "left_out": lost}, indent=2))
         return
     for sentence in survey.assumptions:
         sys.stderr.write(f"assumed: {sentence}\n")
+    if export:
+        sys.stderr.write(f"held by {export.key}: {export.holds}\n")
     if lost:
         sys.stderr.write(f"not held by {kind.key}: {', '.join(lost)}\n")
     typer.echo(f"{target}: {kind.title}")

@@ -12,6 +12,7 @@ from .options import Json
 
 if TYPE_CHECKING:
     from ..io.registry import Format
+    from ..outputs.exchange import Export
 
 app = typer.Typer(add_completion=False)
 
@@ -26,37 +27,41 @@ def formats(as_json: Json = False) -> None:
     Examples: springline formats | springline formats --json
     """
     from ..io.registry import FORMATS
+    from ..outputs.exchange.registry import EXPORTS
 
+    known = [*FORMATS.values(), *(e for e in EXPORTS.values() if e.key not in FORMATS)]
     if as_json:
-        typer.echo(json.dumps([_record(f) for f in FORMATS.values()], indent=2))
+        typer.echo(json.dumps([_record(f) for f in known], indent=2))
         return
     from rich.console import Console
     from rich.markup import escape
     from rich.table import Table
 
     table = Table("format", "holds", "extensions", "reads", "writes", "what it is")
-    for f in FORMATS.values():
+    for f in known:
         r = _record(f)
         title = f.title if r["installed"] else f"{f.title}; first: pip install 'springline[{f.extra}]'"
         table.add_row(
             f.key,
             f.holds,
             " ".join(f.extensions) or "(a folder)",
-            "yes" if f.reader else "",
-            "yes" if f.writer else "",
+            "yes" if r["reads"] else "",
+            "yes" if r["writes"] else "",
             escape(title),
         )
     Console().print(table)
 
 
-def _record(f: Format) -> dict[str, object]:
+def _record(f: Format | Export) -> dict[str, object]:
+    from ..outputs.exchange.registry import EXPORTS
+
     return {
         "format": f.key,
         "title": f.title,
         "holds": f.holds,
         "extensions": list(f.extensions),
-        "reads": f.reader is not None,
-        "writes": f.writer is not None,
+        "reads": getattr(f, "reader", None) is not None,
+        "writes": f.writer is not None or f.key in EXPORTS,
         "extra": f.extra,
         "installed": all(find_spec(library) is not None for library in f.libraries),
     }

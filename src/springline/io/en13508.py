@@ -68,7 +68,7 @@ def read_en13508(path: Path, options: ReadOptions) -> Survey:
     found: list[Inspection] = []
     blocks: dict[str, dict[str, str]] = {}
     columns: list[str] = []
-    pending = None
+    pending, closed = None, True
     for row, line in lines:
         place = f"{path}, row {row}"
         mark = _LINE.fullmatch(line) if line.startswith("#") else None
@@ -84,14 +84,14 @@ def read_en13508(path: Path, options: ReadOptions) -> Survey:
         elif mark[1].startswith("B"):
             pending = (mark[1], _cells(mark[2], head))
         elif mark[1] == "C":
-            columns = _cells(mark[2], head)
+            columns, closed = _cells(mark[2], head), False
             flat = {code: value for block in blocks.values() for code, value in block.items()}
             found.append(Inspection(_common(flat), {"blocks": blocks, "columns": columns}))
         elif mark[1] == "Z":
-            blocks, columns = {}, []
+            blocks, columns, closed = {}, [], True
         else:
             raise FormatError(f"the line {line!r} is not known", where=place, expected="#A, #B, #C or #Z")
-    return observations_survey(found, path, format="en13508", layout={"head": head})
+    return observations_survey(found, path, format="en13508", layout={"head": head, "closed": closed})
 
 
 def _head(path: Path) -> tuple[dict[str, str], Iterator[tuple[int, str]]]:

@@ -109,8 +109,13 @@ def read_table(file: Path) -> tuple[list[str], list[tuple[int, dict[str, str]]]]
     with file.open(encoding="utf-8-sig", errors="replace", newline="") as stream:
         reader = csv.DictReader(stream, restkey="", restval="")
         names = [name for name in reader.fieldnames or [] if name]
-        rows = [(reader.line_num, {k: v for k, v in row.items() if k}) for row in reader]
+        rows = [(reader.line_num, {k: _bare(v) for k, v in row.items() if k}) for row in reader]
     return names, rows
+
+
+def _bare(cell: str) -> str:
+    """Return a cell without the apostrophe that keeps a spreadsheet from running it as a formula."""
+    return cell[1:] if cell[:1] == "'" and cell[1:2] in ("=", "+", "-", "@") else cell
 
 
 def _beside(file: Path, name: str) -> dict[str, list[dict[str, str]]]:

@@ -35,13 +35,14 @@ def write_glb(wall: Unrolled, path: Path, *, name: str, vertices: int = _VERTICE
         name: Name of the mesh, such as the asset's.
         vertices: Largest number of cells that become vertices; neighbouring groups are joined to stay below it.
     """
-    wall = _joined(wall, vertices)
+    wall = joined(wall, vertices)
     limit = nice_limit(wall.shape)
-    position, colour, triangles = _surface(wall, limit)
+    position, colour, triangles = surface(wall, limit)
     path.write_bytes(_glb(position, colour, triangles, name, limit, wall.circle_diameter))
 
 
-def _joined(wall: Unrolled, vertices: int) -> Unrolled:
+def joined(wall: Unrolled, vertices: int) -> Unrolled:
+    """Return the wall with neighbouring groups joined until at most about so many cells remain."""
     step = -(-wall.shape.size // vertices)
     if step == 1:
         return wall
@@ -51,7 +52,7 @@ def _joined(wall: Unrolled, vertices: int) -> Unrolled:
     return wall.columns(edges)
 
 
-def _surface(wall: Unrolled, limit: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def surface(wall: Unrolled, limit: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Return vertices (n, 3) [m], their linear colours (n, 4) uint8, and triangles (m, 3) facing outward."""
     seen = np.isfinite(wall.shape)
     radius = wall.circle_diameter / 2 + wall.shape
