@@ -21,6 +21,29 @@ of points `[[chainage, value], ...]`, a sine `{ mean, amplitude, period, phase_d
 
 The same pipe (`pipe.seed`) can be surveyed many times with other noise (`--seed`).
 
+## Frames of a camera
+
+A scenario with a table `[camera]` has frames. `springline simulate camera-short -o survey.zarr.zip` renders them into
+`survey-frames/` beside the file; with `-o folder`, a survey folder, they lie in `folder/frames/` and are listed in
+`frames.csv`, and the lens stands in `survey.toml` under `[lens.camera]`. (Pictures are written with Pillow, extra
+`depth`.) From Python a frame is rendered when it is asked for, without any file:
+
+```python
+from springline.simulate import Footage, simulate
+
+footage = Footage("camera-short", seed=1)     # a ready scenario, a TOML file, or a Scenario
+picture = footage.image(12)                   # frame 12: uint8 (rows, columns, 3), red green blue
+footage.distance[12], footage.time[12]        # what /frames says of it
+survey = simulate("camera-short", seed=1)     # the same frames, listed in /frames, with the truth
+survey.truth["frame_chainage"][12]            # the camera's true pose, and frame_offset_y, frame_pitch, ...
+```
+
+Frame k is the same whether the others are made or not. In the lens table, `k_px` is the lens's scale, `centre_px` the
+column and row of the principal point with (0, 0) in the middle of the first pixel, rows counting down. The optical axis
+lies along the camera's own x (ahead), the picture's right is its z, up its y; `pitch_deg`, `yaw_deg` and `roll_deg`
+tilt it on the robot as `conventions` says, and `position_m` is where it sits in robot axes. Errors of the mount are in
+the truth alone.
+
 ## Ready scenarios
 
 """

@@ -35,7 +35,8 @@ def simulate(
     """Simulate a survey with known truth from a scenario.
 
     Rays are cast on the true wall of a pipe in space; the truth is stored in the survey's group /truth, which no stage
-    reads. A zarr output is written block by block, so that its length is not limited by memory.
+    reads. A zarr output is written block by block, so that its length is not limited by memory. A camera's frames are
+    rendered into NAME-frames beside a zarr output, or into frames/ of a survey folder.
     """
     from ..simulate import scenarios
 
@@ -59,8 +60,10 @@ def _run(scenario: str, output: Path, seed: int, force: bool) -> None:
     from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 
     from ..io.writing import left_out, output_format, write
+    from ..simulate import Footage, simulate_to
     from ..simulate import simulate as run
-    from ..simulate import simulate_to
+    from ..simulate.camera.writing import write_frames
+    from ..survey.files import replacing
 
     kind = output_format(output, None)
     lost: list[str] = []
@@ -71,7 +74,16 @@ def _run(scenario: str, output: Path, seed: int, force: bool) -> None:
             simulate_to(output, scenario, seed, force=force, progress=lambda done: bar.update(task, completed=done))
         else:
             survey = run(scenario, seed)
-            write(survey, output, format=kind.key, force=force)
             lost = left_out(survey, kind)
+            if kind.key == "folder" and survey.has("frames"):
+                with replacing(output, force=force) as folder:
+                    write(survey, folder, format=kind.key)
+                    write_frames(
+                        Footage(scenario, seed),
+                        folder / "frames",
+                        progress=lambda done: bar.update(task, completed=done),
+                    )
+            else:
+                write(survey, output, format=kind.key, force=force)
     if lost:
         sys.stderr.write(f"not held by {kind.key}: {', '.join(lost)}\n")

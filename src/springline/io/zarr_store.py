@@ -27,7 +27,7 @@ def read_zarr(path: Path, options: ReadOptions) -> Survey:
     """
     if path.is_file():
         _check_zip(path)
-    survey = open_survey(path)
+    survey = _with_folder(open_survey(path), path)
     _check_nominal(survey, options.nominal_diameter, path)
     if options.sensor is None:
         return survey
@@ -36,6 +36,13 @@ def read_zarr(path: Path, options: ReadOptions) -> Survey:
         for name, data in ((name, survey.group(name)) for name in survey.groups)
     }
     return Survey(groups, survey.attrs)
+
+
+def _with_folder(survey: Survey, path: Path) -> Survey:
+    """Return the survey with the folder that its frames' paths start from: where the file lies, unless it says so."""
+    if not survey.has("frames") or "folder" in survey.frames.attrs:
+        return survey
+    return survey.with_group("frames", survey.frames.assign_attrs(folder=str(path.resolve().parent)))
 
 
 def _check_nominal(survey: Survey, nominal: float | None, path: Path) -> None:

@@ -13,6 +13,7 @@ from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from .camera import Footage
     from .reading import load, parse, scenarios
     from .scenario import Scenario
     from .simulation import simulate, simulate_to
@@ -24,9 +25,10 @@ _HOMES = {
     "load": "reading",
     "parse": "reading",
     "Scenario": "scenario",
+    "Footage": "camera",
 }
 
-__all__ = ["Scenario", "load", "parse", "scenarios", "simulate", "simulate_to"]
+__all__ = ["Footage", "Scenario", "load", "parse", "scenarios", "simulate", "simulate_to"]
 
 
 def __getattr__(name: str) -> Any:

@@ -121,6 +121,8 @@ def joints(pipe: pipes.Pipe) -> list[pipes.Joint]:
 
 def build_pipe(pipe: pipes.Pipe) -> Pipe:
     """Return the pipe as built."""
+    from . import strewn
+
     laid = spans(pipe)
     length = laid[-1].end
     all_joints = joints(pipe)
@@ -130,7 +132,7 @@ def build_pipe(pipe: pipes.Pipe) -> Pipe:
         Centreline(cells),
         [_knots(pipe, cell, whole) for cell in cells],
         0.5 * pipe.diameter,
-        bumps=[_bump(one, DENT) for one in pipe.dent] + [_bump(one, DEPOSIT) for one in pipe.deposit],
+        bumps=[_bump(one, DENT) for one in pipe.dent] + [_bump(one, DEPOSIT) for one in strewn.deposits(pipe)],
         floors=[_floor(one, BED, length) for one in pipe.bed] + [_floor(one, WATER, length) for one in pipe.water],
         lobes=[
             Lobe(
@@ -144,7 +146,7 @@ def build_pipe(pipe: pipes.Pipe) -> Pipe:
                 one.chainage, bearing_from_clock(one.clock_h), 0.5 * one.diameter, radians(one.inclination_deg),
                 one.protrusion, one.wall_thickness, one.length,
             )
-            for one in pipe.lateral
+            for one in strewn.laterals(pipe)
         ],
         roughness=Roughness()
         if pipe.roughness is None

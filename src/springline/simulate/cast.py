@@ -20,9 +20,16 @@ _CLOSE = 0.003
 _LEAP = 0.01
 _TINY = 1e-13
 
+EXACT = 1e-16
+"""How far from the wall a ring's reading may lie [m]."""
+
+SECTION, FACE = -1, -2
+"""Which part of the pipe a ray met: the wall of its cell, or the face with which a cell begins; from 0 on, the lateral
+of that number."""
+
 
 @njit(cache=True)
-def _locate(cells, cell, px, py, pz):
+def locate(cells, cell, px, py, pz):
     """Return chainage and the levelled section coordinates y, z of an Earth point, in one cell."""
     row = cells[cell]
     dx, dy, dz = px - row.origin[0], py - row.origin[1], pz - row.origin[2]
@@ -50,9 +57,9 @@ def _locate(cells, cell, px, py, pz):
 
 
 @njit(cache=True)
-def _gap(wall, cell, ox, oy, oz, dx, dy, dz, t):
+def gap_at(wall, cell, ox, oy, oz, dx, dy, dz, t):
     """Return how far outside (+) or inside (-) the wall the ray's point at t lies, what is there, and its chainage."""
-    x, y, z = _locate(wall.cells, cell, ox + t * dx, oy + t * dy, oz + t * dz)
+    x, y, z = locate(wall.cells, cell, ox + t * dx, oy + t * dy, oz + t * dz)
     h = sqrt(y * y + z * z)
     rho, kind = wall_at(wall, cell, x, y, z, h)
     return h - rho, kind, x
@@ -74,7 +81,7 @@ def _speeds(wall, cell, ray):
 
 
 @njit(cache=True)
-def _first_root(wall, cell, ray, near, far, gap):
+def _first_root(wall, cell, ray, near, far, gap, exact):
     """Return where the ray meets the wall between `near` (inside, gap < 0) and `far`, or inf."""
     ox, oy, oz, dx, dy, dz = ray
     fastest, plain, leap = _speeds(wall, cell, ray)
@@ -84,9 +91,9 @@ def _first_root(wall, cell, ray, near, far, gap):
         if -gap < _CLOSE:
             step = max(min(-1.2 * gap / plain, leap), step, 1e-9)
         t_next = min(t + step, far)
-        gap_next, _, _ = _gap(wall, cell, ox, oy, oz, dx, dy, dz, t_next)
+        gap_next, _, _ = gap_at(wall, cell, ox, oy, oz, dx, dy, dz, t_next)
         if gap_next >= 0.0:
-            return _close_in(wall, cell, ray, t, t_next, gap, gap_next)
+            return _close_in(wall, cell, ray, t, t_next, gap, gap_next, exact)
         if t_next == far:
             return np.inf
         t, gap = t_next, gap_next
@@ -94,7 +101,7 @@ def _first_root(wall, cell, ray, near, far, gap):
 
 
 @njit(cache=True)
-def _close_in(wall, cell, ray, a, b, fa, fb):
+def _close_in(wall, cell, ray, a, b, fa, fb, exact):
     """Return the root between a (fa < 0) and b (fb >= 0): Illinois, then bisection when it stalls."""
     ox, oy, oz, dx, dy, dz = ray
     side = 0
@@ -104,20 +111,20 @@ def _close_in(wall, cell, ray, a, b, fa, fb):
         m = (a * fb - b * fa) / (fb - fa) if k < 40 else 0.5 * (a + b)
         if not a < m < b:
             m = 0.5 * (a + b)
-        fm, _, _ = _gap(wall, cell, ox, oy, oz, dx, dy, dz, m)
+        fm, _, _ = gap_at(wall, cell, ox, oy, oz, dx, dy, dz, m)
         if fm >= 0.0:
             b, fb = m, fm
             if side == 1:
                 fa *= 0.5
             side = 1
-            if fm < 1e-16:
+            if fm < exact:
                 break
         else:
             a, fa = m, fm
             if side == -1:
                 fb *= 0.5
             side = -1
-            if fm > -1e-16:
+            if fm > -exact:
                 return m
     return b
 
@@ -176,17 +183,21 @@ def _tube(row, ray, t_wall, limit):
 
 
 @njit(cache=True)
-def _cast_one(wall, start_cell, ray, limit):
-    """Return range, kind and chainage of the first thing one ray meets; range NaN where it meets nothing."""
+def cast_one(wall, start_cell, ray, limit, exact):
+    """Return range, kind, chainage, cell and part of the first thing one ray meets; range NaN where it meets nothing.
+
+    `ray` is origin and unit direction, six numbers; part is `SECTION`, `FACE` or the number of a lateral; `exact` is
+    how far from the wall [m] a hit may lie.
+    """
     cell = start_cell
     last = wall.cells.shape[0] - 1
-    t, hit, kind, chainage = 0.0, np.inf, NOTHING, np.nan
+    t, hit, kind, chainage, part = 0.0, np.inf, NOTHING, np.nan, SECTION
     entered = False
     while True:
-        gap, _, x = _gap(wall, cell, ray[0], ray[1], ray[2], ray[3], ray[4], ray[5], t)
+        gap, _, x = gap_at(wall, cell, ray[0], ray[1], ray[2], ray[3], ray[4], ray[5], t)
         if gap >= 0.0:
             if entered:
-                hit, kind, chainage = t, JOINT, x
+                hit, kind, chainage, part = t, JOINT, x, FACE
             break
         ahead, forward = _plane(wall.cells, cell, ray)
         if not (forward and ahead >= t):
@@ -197,10 +208,10 @@ def _cast_one(wall, start_cell, ray, limit):
             if forward_there or behind < t:
                 behind = np.inf
         far = min(ahead, behind, limit)
-        t_hit = _first_root(wall, cell, ray, t, far, gap)
+        t_hit = _first_root(wall, cell, ray, t, far, gap, exact)
         if t_hit < np.inf:
             hit = t_hit
-            _, kind, chainage = _gap(wall, cell, ray[0], ray[1], ray[2], ray[3], ray[4], ray[5], hit)
+            _, kind, chainage = gap_at(wall, cell, ray[0], ray[1], ray[2], ray[3], ray[4], ray[5], hit)
             break
         if far == limit:
             break
@@ -216,12 +227,12 @@ def _cast_one(wall, start_cell, ray, limit):
             continue
         tube = _tube(row, ray, hit, limit)
         if tube == -1.0:
-            return np.nan, NOTHING, chainage
+            return np.nan, NOTHING, chainage, cell, part
         if tube < np.inf:
-            return tube, LATERAL, row.chainage
+            return tube, LATERAL, row.chainage, cell, k
     if hit > limit:
-        return np.nan, NOTHING, np.nan
-    return hit, kind, chainage
+        return np.nan, NOTHING, np.nan, cell, part
+    return hit, kind, chainage, min(cell, last), part
 
 
 @njit(cache=True, parallel=True)
@@ -244,5 +255,5 @@ def cast_rays(wall: Wall, origin, cell, direction, limit):
             ray = (
                 origin[i, 0], origin[i, 1], origin[i, 2], direction[i, j, 0], direction[i, j, 1], direction[i, j, 2],
             )  # fmt: skip
-            reach[i, j], kind[i, j], chainage[i, j] = _cast_one(wall, cell[i], ray, limit)
+            reach[i, j], kind[i, j], chainage[i, j], _, _ = cast_one(wall, cell[i], ray, limit, EXACT)
     return reach, kind, chainage

@@ -14,6 +14,7 @@ from .quantities import (
     Number,
     Part,
     PositiveLength,
+    Share,
     Slant,
     Small,
     Triple,
@@ -117,6 +118,19 @@ class Lateral(Part):
     length: PositiveLength = Field(1.0, description="how far one sees into it")
 
 
+class Laterals(Part):
+    """Regular laterals of random size and place; they keep off the joints."""
+
+    spacing: PositiveLength
+    first: Length | None = Field(None, description="chainage of the first; default: one spacing from the start")
+    spacing_sigma: NonNegativeLength = 0.0
+    diameters: tuple[PositiveLength, ...] = Field((0.1,), min_length=1, description="of which each has one, by chance")
+    clocks_h: tuple[Clock, ...] = Field((3.0, 9.0), min_length=1, description="about which each lies, by chance")
+    clock_sigma_h: NonNegative = 0.0
+    inclinations_deg: tuple[Slant, ...] = Field((0.0,), min_length=1, description="of which each has one, by chance")
+    length: PositiveLength = Field(1.0, description="how far one sees into them")
+
+
 class Patch(Part):
     """A dent or an attached deposit: deepest in its middle, smooth to its edges."""
 
@@ -157,6 +171,43 @@ class Relief(Part):
     around: PositiveLength = 0.02
 
 
+class Surface(Part):
+    """How the wall looks to a camera."""
+
+    look: Literal["clay", "concrete", "pvc"] | None = Field(
+        None, description="default: the one that pipe.material names, else concrete"
+    )
+    dirt: Share = Field(0.15, description="share of the wall under dirt, most of it near the invert")
+
+
+class Crack(Part):
+    """A crack: a dark line that wanders; a camera alone sees it."""
+
+    chainage: Length = Field(description="of its middle")
+    clock_h: Clock
+    length: PositiveLength
+    direction_deg: float = Field(0.0, ge=-90.0, le=90.0, description="0 = along the pipe, 90 = around it")
+    width: PositiveLength = 0.002
+
+
+class Stain(Part):
+    """A dark patch on the wall; a camera alone sees it."""
+
+    chainage: Length = Field(description="of its middle")
+    clock_h: Clock
+    length: PositiveLength
+    width_deg: float = Field(gt=0.0, le=360.0)
+    darkness: Share = Field(0.6, description="share of the light that it takes")
+
+
+class Decoys(Part):
+    """What is strewn over the wall at random, each as many per metre on average."""
+
+    cracks: NonNegative = 0.0
+    stains: NonNegative = 0.0
+    deposits: NonNegative = 0.0
+
+
 class Pipe(Part):
     """The pipe."""
 
@@ -167,13 +218,14 @@ class Pipe(Part):
     heading_deg: Number = 0.0
     gradient: Annotated[float, Field(ge=-1.0, le=1.0)] = Field(0.0, description="rise per metre of run")
     perimeter: Literal["exact", "ramanujan"] = Field("exact", description="rule by which an ellipse keeps its length")
-    seed: int = Field(0, ge=0, description="of what is random in the pipe itself: joints and roughness")
+    seed: int = Field(0, ge=0, description="of what is random in the pipe itself: joints, laterals, roughness, looks")
     run: tuple[Annotated[Straight | Bend, Field(discriminator="kind")], ...] = Field(min_length=1)
     sag: tuple[Sag, ...] = ()
     joints: Joints | None = None
     joint: tuple[Joint, ...] = ()
     section: tuple[Stretch, ...] = ()
     harmonic: tuple[Harmonic, ...] = ()
+    laterals: Laterals | None = None
     lateral: tuple[Lateral, ...] = ()
     dent: tuple[Patch, ...] = ()
     deposit: tuple[Patch, ...] = ()
@@ -181,3 +233,7 @@ class Pipe(Part):
     water: tuple[Level, ...] = ()
     lobe: tuple[Lobe, ...] = ()
     roughness: Relief | None = None
+    surface: Surface = Surface()
+    crack: tuple[Crack, ...] = ()
+    stain: tuple[Stain, ...] = ()
+    decoys: Decoys = Decoys()

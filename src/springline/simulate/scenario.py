@@ -6,11 +6,10 @@ A scenario is one TOML file; these models are its schema, and their field descri
 
 from __future__ import annotations
 
-from typing import Any
-
 from pydantic import Field
 
 from .equipment import DepthCamera, Inertial, Odometer, RingScanner, Robot, Ties
+from .optics import Camera
 from .pipes import Pipe
 from .quantities import Part, PositiveLength
 
@@ -29,5 +28,5 @@ class Scenario(Part):
     inertial: Inertial | None = None
     odometer: Odometer = Odometer()
     ties: Ties | None = None
-    camera: Any = Field(None, description="reserved: frames of a camera are not simulated")
+    camera: Camera | None = None
     truth_spacing: PositiveLength = Field(0.05, description="of the stations at which the true section is recorded")

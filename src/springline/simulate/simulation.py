@@ -10,6 +10,9 @@ from pathlib import Path
 import xarray as xr
 
 from ..survey import Survey, add_assumption, save_blocks
+from ..survey.files import replacing
+from .camera import Footage
+from .camera.writing import write_frames
 from .depth import depth_cloud
 from .inertial import inertial_blocks
 from .reading import load
@@ -29,7 +32,8 @@ def simulate(scenario: str | Path | Scenario, seed: int = 0) -> Survey:
 
     Rays are cast on the true three-dimensional wall; noise, outliers and drift are drawn from `seed`, so that one
     scenario and one seed always give the same survey. What is random in the pipe itself (joints, roughness) has its
-    own seed in the scenario: the same pipe can be surveyed many times.
+    own seed in the scenario: the same pipe can be surveyed many times. A camera's frames are listed in `/frames` and
+    not made: `Footage(scenario, seed).image(k)` renders frame k, and `simulate_to` writes them all.
 
     Args:
         scenario: A TOML file, the name of a ready scenario (`scenarios()` lists them), or a `Scenario`.
@@ -61,7 +65,8 @@ def simulate_to(
 ) -> Path:
     """Write a simulated survey block by block: memory does not grow with the pipe's length.
 
-    What is written is what `save_survey(simulate(scenario, seed), path)` would write.
+    What is written is what `save_survey(simulate(scenario, seed), path)` would write; and, when the scenario has a
+    camera, its frames, as pictures in a folder beside it (`frames_beside`).
 
     Args:
         path: A zarr folder, or a `.zarr.zip`; written whole or not at all.
@@ -73,28 +78,56 @@ def simulate_to(
     Raises:
         OutputError: `path` exists without `force`, or the disk refuses.
     """
-    checked = load(scenario)
+    checked, path = load(scenario), Path(path)
     world = set_up(checked, seed)
-    stream = blocks(world)
+    if checked.camera is None:
+        return _stream(path, world, "frames", force, progress or _silent)
+    beside = frames_beside(path)
+    share = progress or _silent
+    with replacing(beside, force=force) as folder:
+        write_frames(Footage(world), folder, progress=lambda done: share(0.9 * done))
+        return _stream(path, world, beside.name, force, lambda done: share(0.9 + 0.1 * done))
+
+
+def frames_beside(path: Path) -> Path:
+    """Return the folder beside a zarr survey in which its frames lie.
+
+    >>> frames_beside(Path("out/survey.zarr.zip")).as_posix()
+    'out/survey-frames'
+    """
+    return path.with_name(path.name.removesuffix(".zip").removesuffix(".zarr") + "-frames")
+
+
+def _silent(done: float) -> None:
+    pass
+
+
+def _stream(path: Path, world: World, frames_in: str, force: bool, progress: Callable[[float], None]) -> Path:
+    stream = blocks(world, frames_in)
     first = next(stream)
 
     def rest() -> Blocks:
         for block in stream:
             yield block
-            if progress is not None and "rings" in block:
+            if "rings" in block:
                 progress(float(block["rings"]["distance"][-1] / world.counter.reading(world.end)))
 
-    return save_blocks(_described(Survey(first), checked, seed), rest(), path, force=force)
+    return save_blocks(_described(Survey(first), world.scenario, world.seed), rest(), path, force=force)
 
 
-def blocks(world: World) -> Blocks:
-    """Yield the survey's groups in blocks; the first block holds a part of every group."""
+def blocks(world: World, frames_in: str = "frames") -> Blocks:
+    """Yield the survey's groups in blocks; the first holds a part of every group; frames lie in `frames_in`."""
     scenario = world.scenario
     truth = [pipe_truth(world)]
     first: dict[str, xr.Dataset] = {}
     if scenario.ties is not None:
         first["ties"], more = ties(world)
         truth.append(more)
+    if scenario.camera is not None:
+        footage = Footage(world)
+        first["frames"] = footage.frames(frames_in)
+        first["calibration"] = xr.Dataset(attrs={"lens": json.dumps({footage.camera.name: footage.lens_table()})})
+        truth.append(xr.Dataset({f"frame_{name}": ("frame", one) for name, one in footage.poses().items()}))
     if scenario.depth_camera is not None:
         first["points"], more = depth_cloud(world)
         truth.append(more)

@@ -15,8 +15,9 @@ from . import equipment, pipes
 from .building import joints
 from .measures import measure
 from .stretches import SHAPES, parameters_at, stretches
+from .strewn import cracks, deposits, laterals, stains
 from .surface import radius_of_wall
-from .wall import BED, DENT, DEPOSIT, HIT_KINDS, JOINT, LATERAL, WATER
+from .wall import BED, CRACK, DENT, DEPOSIT, HIT_KINDS, JOINT, LATERAL, STAIN, WATER
 from .world import World
 
 WALL_BEARINGS = 360
@@ -99,14 +100,19 @@ def _features(world: World) -> dict[str, tuple[str, np.ndarray]]:
         (JOINT, joint.chainage, np.nan, joint.gap, joint.gap, pipe.wall_thickness, *_set_off(joint))
         for joint in joints(pipe)
     ]
-    for lateral in pipe.lateral:
+    for lateral in laterals(pipe):
         lean = np.cos(np.radians(lateral.inclination_deg))
         size = lateral.diameter
         rows.append((LATERAL, lateral.chainage, _bearing(lateral), size, size / lean, np.nan, *_NONE))
-    for kind, patches in ((DENT, pipe.dent), (DEPOSIT, pipe.deposit)):
+    for kind, patches in ((DENT, pipe.dent), (DEPOSIT, deposits(pipe))):
         for patch in patches:
             size = np.radians(patch.width_deg) * radius
             rows.append((kind, patch.chainage, _bearing(patch), size, patch.length, -patch.depth, *_NONE))
+    rows += [(CRACK, one.chainage, _bearing(one), one.width, one.length, np.nan, *_NONE) for one in cracks(pipe)]
+    rows += [
+        (STAIN, one.chainage, _bearing(one), np.radians(one.width_deg) * radius, one.length, np.nan, *_NONE)
+        for one in stains(pipe)
+    ]
     for kind, levels in ((BED, pipe.bed), (WATER, pipe.water)):
         rows.extend((kind, *_extent(level, route.length, radius), *_NONE) for level in levels)
     names = ("kind", "chainage", "bearing", "size", "length", "depth", "offset_y", "offset_z", "kink_up", "kink_right")
@@ -123,7 +129,7 @@ def _features(world: World) -> dict[str, tuple[str, np.ndarray]]:
 _NONE = (np.nan, np.nan, np.nan, np.nan)
 
 
-def _bearing(one: pipes.Lateral | pipes.Patch) -> float:
+def _bearing(one: pipes.Lateral | pipes.Patch | pipes.Crack | pipes.Stain) -> float:
     return bearing_from_clock(one.clock_h)
 
 

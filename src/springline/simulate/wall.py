@@ -15,9 +15,9 @@ import numpy as np
 from .centreline import Cell, Centreline
 from .sections import PIECE, Section
 
-WALL, WATER, BED, DEPOSIT, DENT, JOINT, LATERAL, NOTHING = range(8)
-HIT_KINDS = ("wall", "water", "bed", "deposit", "dent", "joint", "lateral", "nothing")
-"""What a ray met, by its code."""
+WALL, WATER, BED, DEPOSIT, DENT, JOINT, LATERAL, NOTHING, CRACK, STAIN = range(10)
+HIT_KINDS = ("wall", "water", "bed", "deposit", "dent", "joint", "lateral", "nothing", "crack", "stain")
+"""What a ray met, by its code; cracks and stains are on the wall, and a camera alone sees them."""
 
 BUMP, FLOOR, LOBE, VARYING_LOBE = range(4)
 
@@ -263,15 +263,17 @@ def _slopes(pipe: Pipe, k: int, features: np.ndarray) -> tuple[float, float]:
     if knots.harmonics is not None and knots.harmonics.size:
         size = np.abs(knots.harmonics).sum(axis=2).max(axis=0)
         around += float(np.sum(size * np.array(pipe.orders)) / pipe.radius)
+    cell = pipe.centreline.cells[k]
     for row in features:
         depth, ramp = row["depth"], row["ramp"]
+        level = row["first"] + ramp <= cell.chainage and row["last"] - ramp >= cell.end
         if row["form"] == FLOOR:
-            ahead += 1.5 * depth / ramp if ramp > 0.0 else 0.0
+            ahead += 1.5 * depth / ramp if ramp > 0.0 and not level else 0.0
             continue
         steep = 0.5 * np.pi * max(1.0, 0.5 * row["power"]) * depth
         reach = 0.5 * (row["last"] - row["first"]) if row["form"] == BUMP else ramp
         around += steep / (row["half"] * (pipe.radius - depth))
-        ahead += steep / reach if reach > 0.0 else 0.0
+        ahead += steep / reach if reach > 0.0 and (row["form"] == BUMP or not level) else 0.0
     return 1.02 * float(np.hypot(1.0, around)), float(ahead)
 
 

@@ -12,7 +12,7 @@ from .path import Motion, Route
 from .scenario import Scenario
 from .wall import Pipe, Wall, build
 
-STREAMS = {"odometer": 1, "rings": 2, "rings_rear": 3, "inertial": 4, "ties": 5, "depth_camera": 6}
+STREAMS = {"odometer": 1, "rings": 2, "rings_rear": 3, "inertial": 4, "ties": 5, "depth_camera": 6, "camera": 7}
 """Random streams: each sensor draws from its own, so that adding one leaves the others' noise alone."""
 
 
