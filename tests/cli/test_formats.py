@@ -10,6 +10,7 @@ import pytest
 
 from springline.cli import main
 from springline.io.registry import FORMATS
+from springline.outputs.exchange import EXPORTS
 
 
 @pytest.fixture
@@ -27,15 +28,16 @@ def formats(monkeypatch, capsys):
 def test_table(formats, monkeypatch):
     monkeypatch.setenv("COLUMNS", "160")
     out = formats()
-    for name in FORMATS:
+    for name in (*FORMATS, *EXPORTS):
         assert f" {name} " in out
 
 
 def test_json_and_a_missing_extra(formats, monkeypatch):
     records = {r["format"]: r for r in json.loads(formats("--json"))}
-    assert list(records) == list(FORMATS)
-    assert {name for name, r in records.items() if r["writes"]} == {"ply", "las", "csv", "parquet", "folder", "zarr"}
-    assert all(r["reads"] for r in records.values())
+    assert list(records) == [*FORMATS, *(name for name in EXPORTS if name not in FORMATS)]
+    own = {"ply", "las", "csv", "parquet", "folder", "zarr"}
+    assert {name for name, r in records.items() if r["writes"]} == own | set(EXPORTS)
+    assert {name for name, r in records.items() if r["reads"]} == set(FORMATS)
     monkeypatch.setattr("springline.cli.formats.find_spec", lambda name: None if name == "laspy" else object())
     missing = {r["format"]: r for r in json.loads(formats("--json"))}
     assert [name for name, r in missing.items() if not r["installed"]] == ["las"]
@@ -50,3 +52,8 @@ def test_every_reader_and_writer_is_there(name):
         if place:
             module, function = place.split(":")
             assert callable(getattr(import_module(f"springline.io.{module}"), function))
+
+
+@pytest.mark.parametrize("name", EXPORTS)
+def test_every_export_is_there(name):
+    assert callable(EXPORTS[name].write_function())

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from ...errors import InputError, MissingExtraError
+from ...errors import InputError, MissingExtraError, nearest
 from ...io.registry import FORMATS
 from ...io.registry import by_key as format_by_key
 from ...io.writing import write as write_survey
@@ -59,7 +59,7 @@ def write(
     return path
 
 
-def export_of(path: Path, key: str | None = None) -> Export | None:
+def export_of(path: Path, key: str | None = None, *, where: str = "format") -> Export | None:
     """Return the export to write, by `key` or by the extension of `path`; None when it is a format of `io`.
 
     Raises:
@@ -74,7 +74,7 @@ def export_of(path: Path, key: str | None = None) -> Export | None:
         found = [e for e in EXPORTS.values() if f".{wanted}" in e.extensions]
         if len(found) == 1:
             return found[0]
-        _refuse_unknown(wanted)
+        _refuse_unknown(wanted, where)
         return None
     name = path.name.lower()
     found = [e for e in EXPORTS.values() if any(name.endswith(extension) for extension in e.extensions)]
@@ -91,16 +91,12 @@ def export_of(path: Path, key: str | None = None) -> Export | None:
     return None
 
 
-def _refuse_unknown(key: str) -> None:
+def _refuse_unknown(key: str, where: str) -> None:
     """Raise when no format at all is called `key`."""
     if any(f".{key}" in f.extensions for f in FORMATS.values()):
         return
-    from ...errors import nearest
-
-    known = [*FORMATS, *EXPORTS]
-    raise InputError(
-        f"the format '{key}' is unknown{nearest(key, known)}", where="format", expected=", ".join(dict.fromkeys(known))
-    )
+    known = list(dict.fromkeys([*FORMATS, *EXPORTS]))
+    raise InputError(f"the format '{key}' is unknown{nearest(key, known)}", where=where, expected=", ".join(known))
 
 
 def known_format(key: str, *, where: str) -> str:
@@ -109,5 +105,5 @@ def known_format(key: str, *, where: str) -> str:
     Raises:
         InputError: It is unknown.
     """
-    export = export_of(Path("x"), key)
+    export = export_of(Path("x"), key, where=where)
     return export.key if export is not None else format_by_key(key, where=where).key
