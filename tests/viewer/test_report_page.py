@@ -2,32 +2,39 @@
 
 import pytest
 
-CHARTS = ("diameter", "ovality", "deflection", "loss", "coverage")
+CHARTS = ("diameter", "ovality", "deflection", "loss", "coverage", "liner", "elevation", "sag", "gradient", "bend")
 MAPS = ("shape", "surface", "readings")
 
 
 @pytest.fixture
-def page(browser, folder):
+def page(browser, complete_folder):
     browser.resize(1280, 900)
-    browser.open(folder / "report.html")
+    browser.open(complete_folder / "report.html")
     return browser
 
 
-def test_opens_without_a_complaint_or_a_request(page, folder):
+def test_opens_without_a_complaint_or_a_request(page, complete_folder):
     assert page.complaints == []
-    assert page.requests == [(folder / "report.html").as_uri()]
+    assert page.requests == [(complete_folder / "report.html").as_uri()]
 
 
 def test_every_chart_and_map_is_there_drawn_and_labelled(page):
     for key in CHARTS:
         chart = f"document.querySelector('[data-chart={key}]')"
         assert "[" in page.run(f"{chart}.getAttribute('aria-label')")
-        assert page.run(f"{chart}.querySelector('.line').getBBox().width") > 900
+        widest = f"Math.max(...[...{chart}.querySelectorAll('.line')].map((line) => line.getBBox().width))"
+        assert page.run(widest) > (90 if key == "bend" else 900), key
+        assert page.run(f"{chart}.querySelectorAll('.legend li').length") >= 1
         assert page.run(f"{chart}.querySelectorAll('.yaxis span').length") >= 3
     for key in MAPS:
         image = f"document.querySelector('[data-map={key}] img')"
         assert page.run(f"{image}.complete && {image}.naturalWidth") == 1200
-    ticks = page.run("new Set([...document.querySelectorAll('.xaxis')].map((a) => a.textContent.trim())).size")
+    assert page.run("document.querySelector('[data-plan] .line').getBBox().width") > 500
+    assert page.run("document.querySelectorAll('.pictures img').length") == 32
+    assert page.run("document.querySelectorAll('.section').length") == 11, "one to scale, ten with residuals"
+    assert page.run("document.querySelectorAll('.residuals .dots').length") == 10
+    axes = "[...document.querySelectorAll('[data-chart] .xaxis, [data-map] .xaxis')]"
+    ticks = page.run(f"new Set({axes}.map((axis) => axis.textContent.trim())).size")
     assert ticks == 1, "all charts and maps share one chainage axis"
 
 
@@ -69,4 +76,4 @@ def test_pointing_at_a_chart_shows_values_there_on_all(page):
 def test_prints_on_a_few_full_pages(page):
     pdf = page.pdf()
     pages = pdf.count(b"/Type /Page\n") or pdf.count(b"/Type /Page") - pdf.count(b"/Type /Pages")
-    assert 4 <= pages <= 9
+    assert 8 <= pages <= 16

@@ -40,13 +40,15 @@ def inspect_into(
             checks=checks,
             progress=lambda stage, done: bar.update(task, description=stage, completed=0.8 * done),
         )
-        write_outputs(
+        written = write_outputs(
             result,
             directory,
             config_toml=dump_config(config),
             force=force,
             progress=lambda name: bar.update(task, description=name),
         )
+    if directory / "report.pdf" not in written:
+        sys.stderr.write('warning: report.pdf was left out; it needs: pip install "springline[pdf]"\n')
     return summary(result)
 
 

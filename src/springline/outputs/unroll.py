@@ -6,7 +6,7 @@ fitted section stays, so that no resampling hides a dent. A cell without a used 
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import pi
 from typing import TYPE_CHECKING
 
@@ -67,6 +67,26 @@ class Unrolled:
     reason: np.ndarray
     circle_diameter: float
 
+    def piece(self, low: float, high: float, columns: int, bearing: float, half: float) -> Unrolled:
+        """Return a piece of the wall: `columns` between two chainages [m], bearings within `half` [rad] of one.
+
+        Bearings run on past a full turn where the piece crosses 0.
+        """
+        near = (self.end > low) & (self.start < high)
+        pick = {name: getattr(self, name)[near] for name in ("start", "end", "shape", "surface", "reason")}
+        cut = replace(self, **pick).columns(np.linspace(low, high, columns + 1))
+        step = 2 * pi / self.bearing.size
+        reach = min(round(half / step), (self.bearing.size - 1) // 2)
+        at = round(bearing / step) + np.arange(-reach, reach + 1)
+        rows = at % self.bearing.size
+        return replace(
+            cut,
+            bearing=at * step,
+            shape=cut.shape[:, rows],
+            surface=cut.surface[:, rows],
+            reason=cut.reason[:, rows],
+        )
+
     def columns(self, edges: np.ndarray) -> Unrolled:
         """Return the same wall on columns between chainage `edges` [m], for instance the pixels of a picture.
 
@@ -84,7 +104,7 @@ class Unrolled:
         shape, surface = np.full(size, np.nan, np.float32), np.full(size, np.nan, np.float32)
         reason = np.full(size, NO_STATION, np.uint8)
         rank = np.argsort(_PRIORITY).astype(np.uint8)
-        stops = np.append(starts[1:], group.size)
+        stops = np.append(starts[1:], group.size)[: starts.size]
         for at, i, j in zip(reached.tolist(), starts.tolist(), stops.tolist(), strict=True):
             rows = group[i:j]
             furthest = np.argmax(np.nan_to_num(np.abs(self.surface[rows]), nan=-1.0), axis=0)[None]

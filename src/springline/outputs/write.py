@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -11,7 +12,8 @@ from ..survey import save_survey
 from ..survey.files import replacing
 from . import tables
 from .mesh import write_glb
-from .report import render_report
+from .pdf import render_pdf
+from .report import make_report, render_html
 from .results import Results
 from .summary import summary
 from .unroll import unroll
@@ -37,6 +39,8 @@ def write_outputs(
     progress: Callable[[str], None] | None = None,
 ) -> list[Path]:
     """Write the files of an inspection into a new folder, which appears only when all of them are complete.
+
+    Report and tables are in the units of `Results.units`. `report.pdf` is among them when the extra `pdf` is installed.
 
     Args:
         survey: A finished survey.
@@ -85,6 +89,7 @@ def _writers(results: Results, config_toml: str) -> dict[str, Callable[[Path], o
     survey = results.survey
     name = str(survey.attrs.get("name") or "pipe")
     wall = unroll(results)
+    report = make_report(results, wall, config_toml)
 
     def text(content: str) -> Callable[[Path], object]:
         return lambda path: path.write_text(content, encoding="utf-8")
@@ -92,14 +97,18 @@ def _writers(results: Results, config_toml: str) -> dict[str, Callable[[Path], o
     def table(make: Callable[[Survey], pd.DataFrame], decimals: dict[str, int]) -> Callable[[Path], object]:
         return lambda path: tables.write_csv(make(survey), path, decimals, units=results.units)
 
-    return {
+    writers = {
         "summary.json": lambda path: text(json.dumps(summary(survey), indent=2, ensure_ascii=False) + "\n")(path),
         "stations.csv": table(tables.stations_table, tables.STATION_DECIMALS),
         "stations_sigma.csv": table(tables.stations_sigma_table, tables.STATION_DECIMALS),
         "features.csv": table(tables.features_table, tables.FEATURE_DECIMALS),
         "config.toml": text(config_toml),
         "pipe.glb": lambda path: write_glb(wall, path, name=name),
-        "report.html": lambda path: text(render_report(results, wall, config_toml))(path),
+        "report.html": lambda path: text(render_html(report))(path),
+        "report.pdf": lambda path: path.write_bytes(render_pdf(report)),
         "viewer.html": lambda path: text(render_viewer(results, wall))(path),
         "survey.zarr.zip": lambda path: save_survey(survey, path),
     }
+    if find_spec("typst") is None:
+        del writers["report.pdf"]
+    return writers

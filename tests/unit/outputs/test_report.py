@@ -18,6 +18,7 @@ from springline.outputs.unroll import unroll
 from springline.survey import Survey, add_warning
 
 from .finished import finished_survey
+from .variants import VARIANTS, complete
 
 HOSTILE = "\"><img src=x onerror=alert(1)> & 'Straße' ../.. </script>"
 
@@ -56,7 +57,7 @@ def test_headlines_state_value_interval_and_place(made):
     assert deflection.value == "4.00" and deflection.chainage == pytest.approx(20.0, abs=0.02)
     assert loss.note == "Zero lies within the interval."
     assert dent.value == "8.2" and "at 2:00" in dent.note
-    assert "1.50 m of 29.98 m unseen" in coverage.note
+    assert "1.50\u00a0m of 29.98\u00a0m unseen" in coverage.note
 
 
 def test_numbers_carry_two_digits_of_their_uncertainty():
@@ -90,7 +91,8 @@ def test_page_is_one_file_with_labelled_charts_and_tables(made):
     tags = Tags(page)
     charts = [a["data-chart"] for t, a in tags.found if "data-chart" in a]
     assert charts == [c.key for c in report.charts]
-    assert sum(t == "img" and a["src"].startswith("data:image/png;base64,") for t, a in tags.found) == 3
+    pictures = sum(t == "img" and a["src"].startswith("data:image/png;base64,") for t, a in tags.found)
+    assert pictures == 3 + len(report.pictures) == 5
     assert not [a for t, a in tags.found if t in ("link", "iframe") or a.get("src", "data:")[:5] != "data:"]
     for words in ("Largest ovality", "What was assumed", "caliper", "SHA-256", "ab" * 32, "outlier_sigma", "2:00"):
         assert words in tags.text or words in page
@@ -106,28 +108,102 @@ def test_text_of_others_is_escaped_everywhere(survey):
     groups = {name: survey.group(name) for name in survey.groups} | {"features": features}
     attrs = survey.attrs | {"name": HOSTILE, "operator": HOSTILE, "material": HOSTILE}
     attrs["provenance"] = json.dumps({"inputs": [{"name": HOSTILE, "bytes": 1, "sha256": "0"}], "version": HOSTILE})
-    attrs["rules"] = json.dumps([{"rule": HOSTILE, "edition": "1", "verdict": "pass", "where": HOSTILE}])
+    attrs["rules"] = json.dumps(
+        [{"rule": HOSTILE, "edition": "1", "verdict": HOSTILE, "where": HOSTILE, "why": HOSTILE}]
+    )
+    attrs["overrides"] = json.dumps([dict.fromkeys(("action", "what", "effect", "author", "date", "reason"), HOSTILE)])
     hostile = add_warning(Survey(groups, attrs), HOSTILE)
     _, page = report_of(hostile, config=HOSTILE)
     tags = Tags(page)
     assert not [a for t, a in tags.found if a.get("src") == "x" or "onerror" in a]
     assert page.count("</script>") == 2
-    assert tags.text.count(HOSTILE) >= 8
+    assert tags.text.count(HOSTILE) >= 16
 
 
-@pytest.mark.parametrize(
-    "survey",
-    [
-        pytest.param(finished_survey(stations=1, bearings=36, dense=True), id="one station"),
-        pytest.param(finished_survey(stations=40, bearings=360, length=1.0, dense=True), id="1 m"),
-        pytest.param(finished_survey(stations=4000, bearings=24, length=2000.0), id="2 km, coarse"),
-        pytest.param(finished_survey(stations=60, bearings=90, nominal=None), id="no nominal diameter"),
-    ],
-)
-def test_odd_surveys_make_a_report(survey):
-    report, page = report_of(survey)
+@pytest.mark.parametrize("name", VARIANTS)
+def test_odd_surveys_make_a_report(name):
+    report, page = report_of(VARIANTS[name]())
     assert report.drawings and len(report.worst.rows) >= 1 and len(report.stretches.rows) <= 21
-    assert "nan" not in Tags(page).text.lower().split() and len(page) < 3e6
+    assert "nan" not in Tags(page).text.lower().split() and len(page) < 5e6
+    said = {one.key for one in (*report.missing, *report.missing_layout)} | {c.key for c in report.charts}
+    said |= {c.key for c in report.layout} | ({"plan"} if report.plan else set())
+    assert said == {
+        *("diameter", "ovality", "deflection", "loss", "coverage", "liner"),
+        *("plan", "elevation", "sag", "gradient", "bend"),
+    }, "each is drawn, or said to be missing"
+    assert all(one.reason.endswith(".") for one in (*report.missing, *report.missing_layout))
+
+
+def test_without_a_reference_diameter_deflection_and_losses_say_so():
+    report, page = report_of(finished_survey(stations=60, bearings=90, nominal=None))
+    missing = {one.key: one.reason for one in report.missing}
+    assert set(missing) == {"deflection", "loss", "liner"} and "nominal or base" in missing["loss"]
+    assert "none was given" in Tags(page).text
+
+
+def test_complete_report_has_verdicts_limits_layout_liner_corrections_and_pictures():
+    report, page = report_of(complete())
+    text = Tags(page).text
+    assert not report.missing and not report.missing_layout
+    assert [row[2] for row in report.rules.rows] == ["pass", "fail", "uncertain", "not assessed"]
+    deflection = next(c for c in report.charts if c.key == "deflection")
+    assert [value for _, value in deflection.levels] == pytest.approx([5.0, 7.5, 25.0])
+    sag = next(c for c in report.layout if c.key == "sag")
+    assert 40 < np.nanmax(sag.lines[0].high) < 60, "a trough of 80 mm on a slope of 1 % drains down to its lower lip"
+    assert len(report.pictures) == len(report.features.rows) == 32
+    assert report.pictures[0].title.startswith("lateral, 9.06")
+    for words in (
+        "the camera stood still while the scanner ran on",
+        "1728 readings masked",
+        "EPSG:25832",
+        "ASTM F1216",
+    ):
+        assert words in text
+    plan = report.plan
+    ends = [mark for mark in plan.marks if mark[2] in ("start", "end")]
+    wide, high = ends[1][0] - ends[0][0], (ends[0][1] - ends[1][1]) * plan.aspect
+    # 15 m and 12 m of straight run, 30 degrees apart: one scale in both directions.
+    assert high / wide == pytest.approx(8.3 / 27.9, abs=0.02)
+
+
+def test_in_feet_every_heading_and_value_changes_its_unit():
+    metric, _ = report_of(complete())
+    feet, page = report_of(VARIANTS["feet"]())
+    body = re.search(r"<main>.*?<h2>How it was measured", page, re.DOTALL)[0]
+    text = Tags(body).text
+    assert "[in]" in text and "[ft]" in text
+    for sentence in (*feet.warnings, *(cell for t in (feet.rules, feet.overrides) for row in t.rows for cell in row)):
+        text = text.replace(sentence, "")
+    assert not re.search(r"\[mm\]|\[m\]|\d\s?mm\b|\d\s?m\b", text)
+    assert "metric units" in feet.words.end and "metric" not in metric.words.end
+    assert feet.headlines[0].unit == "in"
+    assert float(feet.headlines[0].value) * 25.4 == pytest.approx(float(metric.headlines[0].value), abs=0.05)
+    assert float(feet.worst.rows[0][1]) * 0.3048 == pytest.approx(float(metric.worst.rows[0][1]), abs=0.01)
+    assert feet.axis.label(feet.axis.ticks[-1]) == "100" and feet.axis.ticks[-1] == pytest.approx(30.48)
+    largest = [next(c for c in r.charts if c.key == "diameter").lines[0].high for r in (metric, feet)]
+    np.testing.assert_allclose(largest[1] * 25.4, largest[0])
+
+
+def test_labels_on_maps_do_not_lie_on_one_another():
+    report, _ = report_of(VARIANTS["2 km"]())
+    places = [(m.left, m.top or 0.0) for m in report.marks if m.label]
+    assert len(report.marks) > 400 and 10 < len(places) < 60
+    near = [
+        (a, b) for i, a in enumerate(places) for b in places[:i] if abs(a[0] - b[0]) < 0.03 and abs(a[1] - b[1]) < 0.1
+    ]
+    assert near == []
+
+
+def test_stations_that_do_not_speak_are_left_out_of_lines_and_marked(survey):
+    flags = survey.section["flags"].values.copy()
+    worst = int(np.nanargmax(survey.metrics["diameter_max"].values))
+    flags[worst - 60 : worst + 60] = "unlike_neighbours"
+    groups = {name: survey.group(name) for name in survey.groups}
+    groups["section"] = survey.section.assign(flags=("station", flags))
+    report, _ = report_of(Survey(groups, survey.attrs))
+    largest = next(c for c in report.charts if c.key == "diameter").lines[0].high
+    assert np.nanmax(largest) < 1e3 * survey.metrics["diameter_max"].values[worst]
+    assert 2 <= len(report.silent) <= 120
 
 
 def test_without_any_section_mask_or_features_the_report_says_so():

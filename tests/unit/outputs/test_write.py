@@ -15,6 +15,7 @@ FILES = {
     "features.csv",
     "pipe.glb",
     "report.html",
+    "report.pdf",
     "stations.csv",
     "stations_sigma.csv",
     "summary.json",
@@ -78,3 +79,15 @@ def test_report_asks_nothing_of_any_network(small, tmp_path):
     assert "://" not in page
     assert not re.search(r"""(?:src|href)=["']//|url\((?!data:)|@import""", page)
     assert len(page) < 5e6
+
+
+def test_without_typst_the_pdf_alone_is_left_out(small, tmp_path, monkeypatch):
+    monkeypatch.setattr(module, "find_spec", lambda name: None)
+    paths = write_outputs(small, tmp_path / "run", config_toml="")
+    assert {p.name for p in paths} == FILES - {"report.pdf"}
+
+
+def test_a_name_with_slashes_stays_inside_the_folder(tmp_path):
+    survey = finished_survey(stations=12, bearings=36, dense=True, name='../../etc/<b>"Straße" 日本.zip')
+    paths = write_outputs(survey, tmp_path / "run", config_toml="")
+    assert {p.name for p in paths} == FILES and list(tmp_path.iterdir()) == [tmp_path / "run"]

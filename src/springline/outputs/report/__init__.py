@@ -1,5 +1,6 @@
-"""The report: one model built from a finished survey, rendered as one self-contained HTML file."""
+"""The report: one model built from a finished survey, rendered as one self-contained HTML file or as PDF."""
 
-from .render import render_report
+from .model import Report, make_report
+from .render import render_html, render_report
 
-__all__ = ["render_report"]
+__all__ = ["Report", "make_report", "render_html", "render_report"]

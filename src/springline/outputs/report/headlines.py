@@ -13,6 +13,7 @@ from .texts import SIGMAS_95, clock_text, measured, number
 
 if TYPE_CHECKING:
     from ..results import Results
+    from .scales import Scales
 
 
 @dataclass(frozen=True)
@@ -27,31 +28,32 @@ class Headline:
     chainage: float | None = None
 
 
-def make_headlines(results: Results) -> tuple[Headline, ...]:
+def make_headlines(results: Results, scales: Scales) -> tuple[Headline, ...]:
     """Return the headlines, in the order in which they stand."""
     return (
-        _mean_diameter(results),
+        _mean_diameter(results, scales),
         _ovality(results),
         _largest_of(results, "deflection", "Largest deflection", "Needs a nominal or base diameter."),
         _largest_of(results, "area_loss", "Largest loss of area", "Needs a nominal or base diameter."),
-        _deepest(results),
-        _seen(results),
+        _deepest(results, scales),
+        _seen(results, scales),
     )
 
 
-def _mean_diameter(results: Results) -> Headline:
+def _mean_diameter(results: Results, scales: Scales) -> Headline:
+    small = scales.small
     mean, sigma, fit, scale = (
-        results.metrics_attr(name) * 1e3
+        results.metrics_attr(name)
         for name in ("diameter_mean", "diameter_sigma", "diameter_sigma_fit", "diameter_sigma_scale")
     )
     if not isfinite(mean):
-        return Headline("Mean diameter (area)", "–", "mm", note="Not available.")
-    value, half = measured(mean, SIGMAS_95 * sigma, least=1)
-    halves = [measured(0, SIGMAS_95 * part)[1] for part in (fit, scale)]
-    parts = f"fit ±\u00a0{halves[0]}\u00a0mm, sensor’s scale ±\u00a0{halves[1]}\u00a0mm"
+        return Headline("Mean diameter (area)", "–", small.name, note="Not available.")
+    value, half = small.measured(mean, SIGMAS_95 * sigma, least=1)
+    halves = [small.measured(0, SIGMAS_95 * part)[1] for part in (fit, scale)]
+    parts = f"fit ±\u00a0{halves[0]}\u00a0{small.name}, sensor’s scale ±\u00a0{halves[1]}\u00a0{small.name}"
     note = f"Of this: {parts}." if isfinite(fit) and isfinite(scale) else ""
-    interval = f"±\u00a0{half}\u00a0mm (95\u00a0%)" if isfinite(sigma) else "uncertainty not available"
-    return Headline("Mean diameter (area)", value, "mm", interval, note)
+    interval = f"±\u00a0{half}\u00a0{small.name} (95\u00a0%)" if isfinite(sigma) else "uncertainty not available"
+    return Headline("Mean diameter (area)", value, small.name, interval, note)
 
 
 def _ovality(results: Results) -> Headline:
@@ -78,19 +80,20 @@ def _largest_of(results: Results, variable: str, label: str, otherwise: str) -> 
     return Headline(label, value, "%", interval, note, float(results.chainage[at]))
 
 
-def _deepest(results: Results) -> Headline:
-    label = "Deepest local dent or deposit"
-    inward = -results.judged("deviation_in", "section") * 1e3
+def _deepest(results: Results, scales: Scales) -> Headline:
+    label, small = "Deepest local dent or deposit", scales.small
+    inward = -results.judged("deviation_in", "section")
     at = worst_station(inward)
     if at is None:
-        return Headline(label, "–", "mm", note="Not assessed.")
+        return Headline(label, "–", small.name, note="Not assessed.")
     clock = float(clock_from_bearing(results.station("section", "deviation_in_bearing")[at]))
     where = f" at {clock_text(clock)}" if isfinite(clock) else ""
     note = f"Inward of the fitted section{where}, averaged over 10° of arc."
-    return Headline(label, number(inward[at], 1), "mm", "", note, float(results.chainage[at]))
+    return Headline(label, small.number(inward[at], 1), small.name, "", note, float(results.chainage[at]))
 
 
-def _seen(results: Results) -> Headline:
-    coverage = summary(results.survey)["coverage_pct"]
-    note = f"{results.unseen:.2f} m of {results.length:.2f} m unseen (under 50 %, or without stations)."
+def _seen(results: Results, scales: Scales) -> Headline:
+    coverage, length = summary(results.survey)["coverage_pct"], scales.length
+    unseen, whole = length.text(results.unseen, 2), length.text(results.length, 2)
+    note = f"{unseen} of {whole} unseen (under 50 %, or without stations)."
     return Headline("Coverage", "–" if coverage is None else f"{coverage:.1f}", "%", note=note)

@@ -15,6 +15,7 @@ from .texts import SIGMAS_95, clock_text, number
 
 if TYPE_CHECKING:
     from ..results import Results
+    from .scales import Scales
 
 _WORST = 10
 _STRETCHES = 20
@@ -29,48 +30,70 @@ class Table:
     words: frozenset[int] = frozenset({0})
 
 
-def rules_table(results: Results) -> Table:
-    """Return the verdict of each rule that was asked for."""
-    rows = summary(results.survey)["rules"]
-    return Table(
-        ("Rule", "Edition", "Verdict", "Where"),
-        tuple(tuple(str(row.get(key) or "") for key in ("rule", "edition", "verdict", "where")) for row in rows),
-        frozenset(range(4)),
+def rules_table(results: Results, scales: Scales) -> Table:
+    """Return the verdict of each rule that was asked for, with the reason and what else must be known."""
+    rows = tuple(
+        (
+            str(row.get("rule") or ""),
+            str(row.get("edition") or ""),
+            str(row.get("verdict") or "").replace("_", " "),
+            _where(row.get("where"), scales),
+            " ".join(f"{part}." for part in (row.get("why"), *row.get("remarks", ())) if part).replace("..", "."),
+        )
+        for row in summary(results.survey)["rules"]
     )
+    return Table(("Rule", "Edition", "Verdict", f"At [{scales.length.name}]", "Why"), rows, frozenset({0, 1, 2, 4}))
 
 
-def features_listing(table: Any) -> Table:
+def _where(where: Any, scales: Scales) -> str:
+    if isinstance(where, int | float):
+        return scales.length.number(float(where), 2)
+    return "–" if where is None else str(where)
+
+
+def overrides_table(results: Results) -> Table:
+    """Return every correction that people made, with who, when, why and what it did."""
+    keys = ("action", "what", "effect", "author", "date", "reason")
+    rows = tuple(tuple(str(one.get(key) or "–") for key in keys) for one in results.survey.overrides)
+    return Table(("Correction", "What", "What it did", "By", "On", "Reason"), rows, frozenset(range(6)))
+
+
+def features_listing(table: Any, scales: Scales) -> Table:
     """Return the features, numbered as on the maps."""
+    small, length = scales.small, scales.length
     headings = (
         "No.",
         "Kind",
-        "Chainage [m]",
+        f"Chainage [{length.name}]",
         "Clock",
-        "Size [mm]",
-        "Length [mm]",
-        "Depth [mm]",
+        f"Size [{small.name}]",
+        f"Length [{small.name}]",
+        f"Depth [{small.name}]",
         "Confidence",
         "Source",
+        "Image",
     )
     rows = tuple(
         (
             str(k),
             row.kind,
-            _placed(row.chainage_m, row.chainage_sigma_m),
+            _placed(row.chainage_m, row.chainage_sigma_m, scales),
             clock_text(row.clock_h) if isfinite(row.clock_h) else "–",
-            number(row.size_mm, 0),
-            number(row.length_mm, 0),
-            number(row.depth_mm, 1),
+            small.number(row.size_mm / 1e3, 0),
+            small.number(row.length_mm / 1e3, 0),
+            small.number(row.depth_mm / 1e3, 1),
             number(row.confidence, 2),
             row.source,
+            row.image or "–",
         )
         for k, row in enumerate(table.itertuples(), 1)
     )
-    return Table(headings, rows, frozenset({1, 8}))
+    return Table(headings, rows, frozenset({1, 8, 9}))
 
 
-def _placed(chainage: float, sigma: float) -> str:
-    return f"{chainage:.2f} ± {SIGMAS_95 * sigma:.2f}" if sigma > 0 else f"{chainage:.2f}"
+def _placed(chainage: float, sigma: float, scales: Scales) -> str:
+    at = scales.length.number(chainage, 2)
+    return f"{at} ± {scales.length.number(SIGMAS_95 * sigma, 2)}" if sigma > 0 else at
 
 
 def _severity(results: Results) -> tuple[np.ndarray, str]:
@@ -92,33 +115,27 @@ def worst_stations(results: Results) -> tuple[list[int], str]:
     return found, word
 
 
-def worst_table(results: Results, stations: list[int]) -> Table:
+def worst_table(results: Results, stations: list[int], scales: Scales) -> Table:
     """Return the worst stations."""
-    columns = (
-        ("diameter_max", 1e3, 1),
-        ("diameter_min", 1e3, 1),
-        ("diameter_x", 1e3, 1),
-        ("diameter_y", 1e3, 1),
-        ("ovality_polar", 1e2, 2),
-        ("deflection", 1e2, 2),
-    )
-    data = [(results.metric(name) * factor, decimals) for name, factor, decimals in columns]
+    small = scales.small
+    lengths = [results.metric(name) for name in ("diameter_max", "diameter_min", "diameter_x", "diameter_y")]
+    shares = [results.metric(name) * 1e2 for name in ("ovality_polar", "deflection")]
     clock = clock_from_bearing(results.metric("diameter_max_bearing"))
     rows = tuple(
         (
-            number(results.chainage[at], 2),
-            *(number(values[at], decimals) for values, decimals in data),
+            str(k),
+            scales.length.number(results.chainage[at], 2),
+            *(small.number(values[at], 1) for values in lengths),
+            *(number(values[at], 2) for values in shares),
             clock_text(float(clock[at])) if isfinite(clock[at]) else "–",
             number(results.coverage[at] * 1e2, 0),
         )
-        for at in stations
+        for k, at in enumerate(stations, 1)
     )
     headings = (
-        "Chainage [m]",
-        "Largest [mm]",
-        "Smallest [mm]",
-        "X [mm]",
-        "Y [mm]",
+        "No.",
+        f"Chainage [{scales.length.name}]",
+        *(f"{word} [{small.name}]" for word in ("Largest", "Smallest", "X", "Y")),
         "Ovality [%]",
         "Deflection [%]",
         "Largest at",
@@ -127,16 +144,17 @@ def worst_table(results: Results, stations: list[int]) -> Table:
     return Table(headings, rows, frozenset())
 
 
-def stretches_table(results: Results) -> Table:
+def stretches_table(results: Results, scales: Scales) -> Table:
     """Return the survey cut into at most twenty stretches of a round length."""
-    low, high = results.chainage[0], results.chainage[-1]
-    rough = max((high - low) / _STRETCHES, 1e-3)
+    chainage = results.chainage * scales.length.factor
+    rough = max((chainage[-1] - chainage[0]) / _STRETCHES, 1e-3)
     decade = 10.0 ** floor(log10(rough))
     step = next(s for s in (1, 2, 5, 10) if s * decade >= rough * (1 - 1e-9)) * decade
-    first = floor(low / step + 1e-9)
+    first = floor(chainage[0] / step + 1e-9)
     decimals = max(0, ceil(-log10(step) - 1e-9))
-    place = np.clip(np.floor(results.chainage / step + 1e-9).astype(int) - first, 0, None)
-    area, ovality, deflection = (results.metric(n) for n in ("diameter_area", "ovality_polar", "deflection"))
+    place = np.clip(np.floor(chainage / step + 1e-9).astype(int) - first, 0, None)
+    area, ovality, deflection = (results.judged(n) for n in ("diameter_area", "ovality_polar", "deflection"))
+    without = ~np.isfinite(results.metric("diameter_area"))
     rows = []
     for k in range(int(place[-1]) + 1):
         at = place == k
@@ -149,18 +167,18 @@ def stretches_table(results: Results) -> Table:
             (
                 *span,
                 number(float(np.mean(np.nan_to_num(results.coverage[at]))) * 1e2, 1),
-                str(int((~known).sum())),
-                number(float(np.mean(area[at][known])) * 1e3 if known.any() else np.nan, 2),
+                str(int(without[at].sum())),
+                scales.small.number(float(np.mean(area[at][known])) if known.any() else np.nan, 2),
                 number(_largest(ovality[at]) * 1e2, 2),
                 number(_largest(deflection[at]) * 1e2, 2),
             )
         )
     headings = (
-        "Chainage [m]",
+        f"Chainage [{scales.length.name}]",
         "Stations",
         "Coverage [%]",
         "Without section",
-        "Mean diameter [mm]",
+        f"Mean diameter [{scales.small.name}]",
         "Largest ovality [%]",
         "Largest deflection [%]",
     )
@@ -183,12 +201,16 @@ def readings_table(results: Results) -> Table:
     return Table(("Readings", "Number", "Share [%]"), rows)
 
 
-def statuses_table(results: Results) -> Table:
+def statuses_table(results: Results, scales: Scales) -> Table:
     """Return how many stations have a section, and why not the others."""
     start, end = results.extents
     rows = tuple(
-        (word, str(int((results.status == flag).sum())), f"{float((end - start)[results.status == flag].sum()):.2f}")
+        (
+            word,
+            str(int((results.status == flag).sum())),
+            scales.length.number(float((end - start)[results.status == flag].sum()), 2),
+        )
         for flag, word in FIT_STATUS.items()
         if (results.status == flag).any()
     )
-    return Table(("Stations", "Number", "Length [m]"), rows)
+    return Table(("Stations", "Number", f"Length [{scales.length.name}]"), rows)

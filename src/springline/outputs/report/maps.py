@@ -2,19 +2,19 @@
 
 from __future__ import annotations
 
-import base64
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..colours import LEVELS, REASON_COLOURS, levels, nice_limit, rgb, scale_colours
+from ..colours import LEVELS, REASON_COLOURS, levels, rgb, scale_colours
 from ..png import palette_png
 from ..unroll import NO_STATION, REASON_WORDS, REASONS
 
 if TYPE_CHECKING:
     from ..unroll import Unrolled
     from .profiles import Axis
+    from .scales import Scale
 
 _WIDTH = 1200
 _USED = "#dfe8ef"
@@ -22,27 +22,37 @@ _USED = "#dfe8ef"
 
 @dataclass(frozen=True)
 class Map:
-    """One picture of the unrolled wall, chainage to the right, clock 6, 3, 12, 9, 6 from the top."""
+    """One picture of the unrolled wall, chainage to the right, clock 6, 3, 12, 9, 6 from the top.
+
+    Attributes:
+        key: Short name, by which pages and tests find it.
+        title: What it shows.
+        note: A sentence beside the title.
+        picture: PNG.
+        limit: Ends of its scale of colours as texts, inward and outward, or None.
+        legend: Label and colour of what stands outside that scale.
+    """
 
     key: str
     title: str
     note: str
-    picture: str
-    limit_mm: float | None
+    picture: bytes
+    limit: tuple[str, str] | None
     legend: tuple[tuple[str, str], ...]
 
 
-def make_maps(wall: Unrolled, axis: Axis) -> list[Map]:
-    """Return the maps on the chainage axis that the charts share."""
+def make_maps(wall: Unrolled, axis: Axis, small: Scale) -> list[Map]:
+    """Return the maps on the chainage axis that the charts share; `small` is the printed unit of departures."""
     seen = wall.columns(np.linspace(axis.low, axis.high, _WIDTH + 1))
-    diameter = wall.circle_diameter * 1e3
+    diameter = small.text(wall.circle_diameter, 2)
     return [
         _departures(
             "shape",
             "Shape: departure from a circle",
-            f"From a circle of {diameter:.2f} mm about the section’s centre; a smooth swing with the clock is ovality.",
+            f"From a circle of {diameter} about the section’s centre; a smooth swing with the clock is ovality.",
             seen.shape,
             seen.reason,
+            small,
         ),
         _departures(
             "surface",
@@ -50,15 +60,28 @@ def make_maps(wall: Unrolled, axis: Axis) -> list[Map]:
             "What remains when the fitted section is taken away: dents, joints, deposits, roughness and noise.",
             seen.surface,
             seen.reason,
+            small,
         ),
         _sight(seen.reason),
     ]
 
 
-def _departures(key: str, title: str, note: str, departure: np.ndarray, reason: np.ndarray) -> Map:
-    limit = nice_limit(departure)
+def _departures(key: str, title: str, note: str, departure: np.ndarray, reason: np.ndarray, small: Scale) -> Map:
+    limit = small.limit(departure)
     indices = np.where(reason == 0, levels(departure, limit), _reason_indices(reason))
-    return Map(key, title, note, _picture(indices), limit * 1e3, _legend(reason, with_used=False))
+    ends = (f"inward −{small.plain(limit)}", f"+{small.plain(limit)} outward")
+    return Map(key, title, note, _picture(_upright(indices)), ends, _legend(reason, with_used=False))
+
+
+def wall_picture(wall: Unrolled, limit: float) -> bytes:
+    """Return the surface of a piece of wall as PNG, chainage to the right and bearing downwards, pixel by cell.
+
+    Args:
+        wall: The piece, as `Unrolled.piece` cuts it.
+        limit: End of the scale of colours [m].
+    """
+    indices = np.where(wall.reason == 0, levels(wall.surface, limit), _reason_indices(wall.reason))
+    return _picture(indices.T)
 
 
 def _sight(reason: np.ndarray) -> Map:
@@ -66,7 +89,7 @@ def _sight(reason: np.ndarray) -> Map:
         "readings",
         "What was seen",
         "Where readings were used, and why not elsewhere.",
-        _picture(np.where(reason == 0, LEVELS + len(REASON_COLOURS), _reason_indices(reason))),
+        _picture(_upright(np.where(reason == 0, LEVELS + len(REASON_COLOURS), _reason_indices(reason)))),
         None,
         _legend(reason, with_used=True),
     )
@@ -81,13 +104,16 @@ def _reason_indices(reason: np.ndarray) -> np.ndarray:
     return table[reason]
 
 
-def _picture(indices: np.ndarray) -> str:
+def _upright(indices: np.ndarray) -> np.ndarray:
+    """Return rows of bearing that grow downwards from the invert: 6, 3, 12, 9 and 6 o'clock again."""
     rows = indices.shape[1]
-    # Bearing grows downwards from the invert: 6, 3, 12, 9 and 6 o'clock again.
-    upright = indices.T[(np.arange(rows) - rows // 4) % rows].astype(np.uint8)
+    return indices.T[(np.arange(rows) - rows // 4) % rows]
+
+
+def _picture(indices: np.ndarray) -> bytes:
     extra = [rgb(colour) for colour in (*REASON_COLOURS.values(), _USED)]
     palette = np.concatenate((scale_colours(), np.array(extra, np.uint8)))
-    return "data:image/png;base64," + base64.b64encode(palette_png(upright, palette)).decode("ascii")
+    return palette_png(indices.astype(np.uint8), palette)
 
 
 def _legend(reason: np.ndarray, *, with_used: bool) -> tuple[tuple[str, str], ...]:

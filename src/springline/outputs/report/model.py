@@ -1,8 +1,7 @@
-"""What the report says, as plain values: any rendering (HTML now) draws this and computes nothing."""
+"""What the report says, as plain values: page and PDF draw this and compute nothing."""
 
 from __future__ import annotations
 
-import shlex
 from dataclasses import dataclass
 from math import isfinite
 from typing import TYPE_CHECKING, Any
@@ -10,53 +9,80 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ... import __version__
+from ...conventions import NOT_SPEAKING, flagged
 from ..tables import features_table
-from .charts import Chart, make_charts
+from . import listings
+from .along import Missing, make_charts
+from .definitions import definitions_table
 from .drawing import Drawing, draw_section
+from .facts import command, cover_facts
 from .headlines import Headline, make_headlines
-from .listings import (
-    Table,
-    features_listing,
-    readings_table,
-    rules_table,
-    statuses_table,
-    stretches_table,
-    worst_stations,
-    worst_table,
-)
+from .layout import Plan, make_layout
 from .maps import Map, make_maps
+from .marks import Mark, make_marks
+from .pictures import Picture, make_pictures
 from .profiles import Axis, Profiles
-from .texts import number
+from .scales import Scales, make_scales
+from .words import Words, make_words
 
 if TYPE_CHECKING:
     from ..results import Results
     from ..unroll import Unrolled
+    from .charts import Chart
+    from .listings import Table
+
+_SILENT_MARKS = 400
 
 
 @dataclass(frozen=True)
 class Report:
-    """Everything that the report shows."""
+    """Everything that the report shows, as texts, paths and pictures.
+
+    Attributes:
+        scales: Printed units.
+        facts: Lines of the cover.
+        axis: The chainage axis of all charts and maps.
+        charts: Of section and liner along the pipe.
+        plan: The pipe from above, None when it is not known.
+        layout: Charts of the buried layout.
+        missing: Charts along the pipe that a complete report also shows, with the reason why this one does not.
+        missing_layout: The same of the layout.
+        gaps: Start, end [m] and reason of the stretches without values.
+        silent: Chainages [m] of stations that charts and largest values leave out.
+        marks: Where the features stand on the maps.
+        worst_true: The worst section to scale, None when there is none.
+        drawings: The worst sections with departures exaggerated, the worst first.
+    """
 
     name: str
+    scales: Scales
     facts: tuple[tuple[str, str], ...]
     headlines: tuple[Headline, ...]
     warnings: tuple[str, ...]
     assumptions: tuple[str, ...]
     rules: Table
+    overrides: Table
     axis: Axis
     charts: tuple[Chart, ...]
+    plan: Plan | None
+    layout: tuple[Chart, ...]
+    missing: tuple[Missing, ...]
+    missing_layout: tuple[Missing, ...]
     maps: tuple[Map, ...]
     gaps: tuple[tuple[float, float, str], ...]
+    silent: tuple[float, ...]
     features: Table
-    marks: tuple[tuple[float, float, str], ...]
-    looked_for_features: bool
-    worst_words: str
+    marks: tuple[Mark, ...]
+    pictures: tuple[Picture, ...]
+    pictures_note: str
+    worst_true: Drawing | None
     drawings: tuple[Drawing, ...]
     worst: Table
+    definitions: Table
     stretches: Table
     readings: Table
     statuses: Table
-    method: dict[str, Any]
+    words: Words
     inputs: tuple[dict[str, Any], ...]
     command: str
     config_toml: str
@@ -65,66 +91,66 @@ class Report:
 
 
 def make_report(results: Results, wall: Unrolled, config_toml: str) -> Report:
-    """Return the report's model.
+    """Return the report's model, in the units of `results.units`.
 
     Args:
         results: The finished survey.
         wall: Its unrolled wall.
         config_toml: The resolved settings as TOML.
     """
-    profiles = Profiles(results)
-    charts = make_charts(results, profiles)
-    worst, words = worst_stations(results)
+    scales = make_scales(results.units)
+    profiles = Profiles(results, scales.length.factor)
     features = features_table(results.survey)
-    attrs = results.survey.attrs
+    charts, missing = make_charts(results, profiles, scales)
+    plan, layout, missing_layout = make_layout(results, profiles, scales, features)
+    worst, ranked_by = listings.worst_stations(results)
+    worst_true, drawings = _drawings(results, worst, scales)
+    pictures, pictures_note = make_pictures(features, wall, scales)
+    gaps, silent, marks = _gaps(results, profiles), _silent(results), make_marks(features, profiles.axis)
     return Report(
-        name=str(attrs.get("name") or "Pipe without a name"),
-        facts=_facts(results),
-        headlines=make_headlines(results),
+        name=str(results.survey.attrs.get("name") or "Pipe without a name"),
+        scales=scales,
+        facts=cover_facts(results, scales),
+        headlines=make_headlines(results, scales),
         warnings=tuple(results.survey.warnings),
         assumptions=tuple(results.survey.assumptions),
-        rules=rules_table(results),
+        rules=listings.rules_table(results, scales),
+        overrides=listings.overrides_table(results),
         axis=profiles.axis,
         charts=tuple(charts),
-        maps=tuple(make_maps(wall, profiles.axis)),
-        gaps=_gaps(results, profiles),
-        features=features_listing(features),
-        marks=_marks(features),
-        looked_for_features=results.survey.has("features"),
-        worst_words=words,
-        drawings=_drawings(results, worst),
-        worst=worst_table(results, worst),
-        stretches=stretches_table(results),
-        readings=readings_table(results),
-        statuses=statuses_table(results),
-        method=_method(results),
+        plan=plan,
+        layout=tuple(layout),
+        missing=tuple(missing),
+        missing_layout=tuple(missing_layout),
+        maps=tuple(make_maps(wall, profiles.axis, scales.small)),
+        gaps=gaps,
+        silent=silent,
+        features=listings.features_listing(features, scales),
+        marks=marks,
+        pictures=pictures,
+        pictures_note=pictures_note,
+        worst_true=worst_true,
+        drawings=drawings,
+        worst=listings.worst_table(results, worst, scales),
+        definitions=definitions_table(results, scales),
+        stretches=listings.stretches_table(results, scales),
+        readings=listings.readings_table(results),
+        statuses=listings.statuses_table(results, scales),
+        words=make_words(
+            results,
+            scales,
+            ranked_by=ranked_by,
+            gaps=bool(gaps),
+            silent=bool(silent),
+            marks=bool(marks),
+            crowded=not all(mark.label for mark in marks),
+        ),
         inputs=tuple(results.provenance.get("inputs", ())),
-        command=_command(results),
+        command=command(results),
         config_toml=config_toml,
         version=str(results.provenance.get("version", __version__)),
-        hover=_hover(profiles, charts),
+        hover=_hover(profiles, [*charts, *layout], scales),
     )
-
-
-def _facts(results: Results) -> tuple[tuple[str, str], ...]:
-    attrs, rings = results.survey.attrs, results.survey.rings.attrs
-
-    def millimetres(key: str) -> str:
-        value = attrs.get(key)
-        return f"{float(value) * 1e3:g} mm" if value is not None and isfinite(float(value)) else ""
-
-    rows = (
-        ("Nominal diameter", millimetres("nominal_diameter")),
-        ("Base diameter", millimetres("base_diameter")),
-        ("Wall thickness", millimetres("wall_thickness")),
-        ("Material", attrs.get("material")),
-        ("Direction", attrs.get("direction")),
-        ("Date", attrs.get("date")),
-        ("Operator", attrs.get("operator")),
-        ("Equipment", attrs.get("equipment")),
-        ("Sensor", str(rings.get("sensor_kind", "")).replace("-", " ")),
-    )
-    return tuple((label, str(value)) for label, value in rows if value)
 
 
 def _gaps(results: Results, profiles: Profiles) -> tuple[tuple[float, float, str], ...]:
@@ -132,48 +158,25 @@ def _gaps(results: Results, profiles: Profiles) -> tuple[tuple[float, float, str
     return tuple(without + [(a, b, "no readings") for a, b in profiles.gaps()])
 
 
-def _marks(table: Any) -> tuple[tuple[float, float, str], ...]:
-    """Return chainage, share from the top of a map, and number of each feature that can be placed on it."""
-    return tuple(
-        (float(row.chainage_m), ((6.0 - row.clock_h) / 12.0) % 1.0, str(k))
-        for k, row in enumerate(table.itertuples(), 1)
-        if isfinite(row.clock_h)
-    )
-
-
-def _drawings(results: Results, worst: list[int]) -> tuple[Drawing, ...]:
-    if not worst:
+def _silent(results: Results) -> tuple[float, ...]:
+    if "flags" not in results.survey.section:
         return ()
+    at = np.flatnonzero(flagged(results.survey.section["flags"].values, *NOT_SPEAKING))
+    # Neighbours share a mark.
+    share = np.unique(np.round(results.chainage[at] / max(results.length, 1e-9) * _SILENT_MARKS), return_index=True)[1]
+    return tuple(float(c) for c in results.chainage[at[share]])
+
+
+def _drawings(results: Results, worst: list[int], scales: Scales) -> tuple[Drawing | None, tuple[Drawing, ...]]:
+    if not worst:
+        return None, ()
     reference = results.metrics_attr("reference_diameter")
     circle = reference if isfinite(reference) else results.circle_diameter
-    plain, large = (draw_section(results, worst[0], circle, exaggerate=large) for large in (False, True))
-    return (plain, large) if large.exaggeration > 1 else (plain,)
+    plain = draw_section(results, worst[0], circle, exaggerate=False, scales=scales)
+    return plain, tuple(draw_section(results, at, circle, exaggerate=True, scales=scales) for at in worst)
 
 
-def _method(results: Results) -> dict[str, Any]:
-    section, rings = results.survey.section.attrs, results.survey.rings.attrs
-    scale = section.get("range_scale_sigma")
-    return {
-        "model": section.get("model", "ellipse"),
-        "scale_pct": None if scale is None else f"{float(scale) * 1e2:g}",
-        "scale_source": section.get("range_scale_source", ""),
-        "bearings": results.bearing.size,
-        "stations": results.stations,
-        "spacing_mm": f"{results.spacing * 1e3:.1f}",
-        "referred_to": rings.get("referred_to", "sensor"),
-        "reference": number(results.metrics_attr("reference_diameter") * 1e3, 1),
-        "reference_kind": results.survey.metrics.attrs.get("reference_kind", "none"),
-    }
-
-
-def _command(results: Results) -> str:
-    names = [str(item.get("name", "INPUT")) for item in results.provenance.get("inputs", ())] or ["INPUT"]
-    nominal = results.survey.attrs.get("nominal_diameter")
-    size = f" --nominal {float(nominal) * 1e3:g}mm" if nominal is not None else ""
-    return f"springline inspect {' '.join(shlex.quote(n) for n in names)}{size} --config config.toml -o DIR"
-
-
-def _hover(profiles: Profiles, charts: list[Chart]) -> dict[str, Any]:
+def _hover(profiles: Profiles, charts: list[Chart], scales: Scales) -> dict[str, Any]:
     """Return the thinned values that the page shows under the pointer; null where there is none."""
 
     def plain(values: np.ndarray, decimals: int) -> list[float | None]:
@@ -182,6 +185,8 @@ def _hover(profiles: Profiles, charts: list[Chart]) -> dict[str, Any]:
     return {
         "low": profiles.axis.low,
         "high": profiles.axis.high,
+        "factor": scales.length.factor,
+        "unit": scales.length.name,
         "start": plain(profiles.start, 3),
         "end": plain(profiles.end, 3),
         "charts": {

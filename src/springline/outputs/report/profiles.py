@@ -16,12 +16,13 @@ _POINTS = 800
 
 @dataclass(frozen=True)
 class Axis:
-    """A drawn axis: its two ends and its ticks, in the unit of the values."""
+    """A drawn axis: its two ends and its ticks in the unit of the values; labels show `factor` times as much."""
 
     low: float
     high: float
     ticks: tuple[float, ...]
     decimals: int
+    factor: float = 1.0
 
     def share(self, value: float | np.ndarray) -> float | np.ndarray:
         """Return where a value lies between the ends, 0 to 1."""
@@ -29,7 +30,7 @@ class Axis:
 
     def label(self, value: float) -> str:
         """Return the text of a tick."""
-        return f"{value + 0.0:.{self.decimals}f}".replace("-", "−")
+        return f"{value * self.factor + 0.0:.{self.decimals}f}".replace("-", "−")
 
 
 def make_axis(low: float, high: float, *, ticks: int = 5, tight: bool = False) -> Axis:
@@ -57,9 +58,14 @@ def make_axis(low: float, high: float, *, ticks: int = 5, tight: bool = False) -
 
 
 class Profiles:
-    """The chainage axis that all charts share, and the thinning of values onto it."""
+    """The chainage axis that all charts share, and the thinning of values onto it.
 
-    def __init__(self, results: Results) -> None:
+    Args:
+        results: The finished survey.
+        factor: Printed unit of chainage per metre, such as 3.28 for feet: ticks are round in it.
+    """
+
+    def __init__(self, results: Results, factor: float = 1.0) -> None:
         self._group = results.groups(_POINTS)
         self._first = np.flatnonzero(np.diff(self._group, prepend=-1))
         start, end = results.extents
@@ -68,7 +74,9 @@ class Profiles:
         low, high = float(self.start[0]), float(self.end[-1])
         if high <= low:
             low, high = low - 0.5, high + 0.5
-        self.axis = _onto_ticks(make_axis(low, high, ticks=8, tight=True))
+        shown = _onto_ticks(make_axis(low * factor, high * factor, ticks=8, tight=True))
+        ticks = tuple(tick / factor for tick in shown.ticks)
+        self.axis = Axis(shown.low / factor, shown.high / factor, ticks, shown.decimals, factor)
 
     def thin(self, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Return the smallest and the largest value of each group of stations, NaN where none has one."""

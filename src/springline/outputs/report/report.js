@@ -37,7 +37,7 @@
     }
     for (const { element, chart, line } of outputs) element.textContent = valueText(line, chart, group);
     readout.hidden = false;
-    readout.textContent = `${chainage.toFixed(2)} m`;
+    readout.textContent = `${(chainage * data.factor).toFixed(2)} ${data.unit}`;
   }
 
   function hide() {

@@ -1,0 +1,69 @@
+"""The cover, and the command that makes the same results again."""
+
+from __future__ import annotations
+
+import shlex
+from math import isfinite
+from typing import TYPE_CHECKING
+
+from ..summary import summary
+
+if TYPE_CHECKING:
+    from ..results import Results
+    from .scales import Scales
+
+NOT_STATED = "not stated"
+"""What stands on the cover where the survey says nothing."""
+
+
+def cover_facts(results: Results, scales: Scales) -> tuple[tuple[str, str], ...]:
+    """Return label and text of each line of the cover; what the survey does not say is said to be missing."""
+    attrs, rings = results.survey.attrs, results.survey.rings.attrs
+
+    def diameter(key: str) -> str | None:
+        value = attrs.get(key)
+        return scales.small.plain(float(value)) if value is not None and isfinite(float(value)) else None
+
+    first, last = (scales.length.number(results.chainage[k], 2) for k in (0, -1))
+    always = (
+        ("Nominal diameter", diameter("nominal_diameter")),
+        ("Material", attrs.get("material")),
+        ("Direction of travel", attrs.get("direction")),
+        ("Date", attrs.get("date")),
+        ("Operator", attrs.get("operator")),
+        ("Equipment", attrs.get("equipment")),
+        ("Sensor", str(rings.get("sensor_kind", "unknown")).replace("-", " ")),
+        ("Calibration", _calibration(results)),
+        ("Chainage", f"{first} to {last} {scales.length.name}, {results.stations} stations"),
+    )
+    if_known = (
+        ("Base diameter", diameter("base_diameter")),
+        ("Wall thickness", diameter("wall_thickness")),
+        ("Coordinate system", attrs.get("crs")),
+    )
+    known = tuple((label, str(value)) for label, value in if_known if value)
+    stated = tuple((label, str(value or NOT_STATED)) for label, value in always)
+    return (*stated[:1], *known, *stated[1:])
+
+
+def _calibration(results: Results) -> str:
+    section = results.survey.section.attrs
+    scale = section.get("range_scale_sigma")
+    words = "" if scale is None else f"scale known to {2 * float(scale) * 1e2:g} % (two-sigma)"
+    source = str(section.get("range_scale_source", "") or "")
+    if results.survey.has("calibration"):
+        given = results.survey.group("calibration").attrs
+        source = str(given.get("source") or source or "given with the survey")
+        return f"{source}{', ' if words else ''}{words}"
+    return f"none given; {words}{f', {source}' if source else ''}" if words else "none given"
+
+
+def command(results: Results) -> str:
+    """Return the command line that makes the same results again."""
+    names = [str(item.get("name", "INPUT")) for item in results.provenance.get("inputs", ())] or ["INPUT"]
+    nominal = results.survey.attrs.get("nominal_diameter")
+    size = f" --nominal {float(nominal) * 1e3:g}mm" if nominal is not None else ""
+    rules = [str(row.get("rule")) for row in summary(results.survey)["rules"]]
+    checks = "".join(f" --check {shlex.quote(name)}" for name in rules)
+    names_quoted = " ".join(shlex.quote(name) for name in names)
+    return f"springline inspect {names_quoted}{size}{checks} --config config.toml -o DIR"
