@@ -26,7 +26,11 @@ def with_layout(survey, crs="EPSG:25832", frame="ties"):
 
 @pytest.fixture(scope="session")
 def small():
-    return finished_survey(stations=60, bearings=72, length=30.0)
+    survey = finished_survey(stations=60, bearings=72, length=30.0)
+    a, b = (survey.metrics[name].values[:, None] for name in ("semi_major", "semi_minor"))
+    turn = np.linspace(0.0, 2 * np.pi, 720, endpoint=False)
+    perimeter = np.hypot(a * np.sin(turn), b * np.cos(turn)).mean(axis=1) * 2 * np.pi
+    return survey.corrected("metrics", survey.metrics.assign(perimeter=("station", perimeter)))
 
 
 @pytest.fixture(scope="session")
