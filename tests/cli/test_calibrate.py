@@ -122,3 +122,74 @@ def test_an_existing_file_is_kept_and_a_bad_calibration_refused(run, folder, tmp
     code, _, err = run("inspect", folder / "ring-0.csv", "--nominal", "300mm", "--calibration", tmp_path / "c.toml",
                        "-o", tmp_path / "r", *BEARING)  # fmt: skip
     assert code == 2 and "one-sigma is missing" in err
+
+
+RESULTS = """laboratory,material,diameter_mm
+a,ring,300.1
+a,ring,300.2
+b,ring,300.0
+b,ring,300.1
+c,ring,299.9
+c,ring,300.1
+"""
+MEASURES = tuple(word for value in ("300.1mm", "299.9mm", "300.0mm", "300.1mm") for word in ("--reference", value))
+
+
+def test_a_study_of_results_is_written_as_tables_and_a_page(run, tmp_path):
+    (tmp_path / "results.csv").write_text(RESULTS)
+    code, out, err = run("calibrate", "study", tmp_path / "results.csv", *MEASURES, "-o", tmp_path / "study")
+    assert (code, err) == (0, "")
+    assert "accuracy" in out and "study.html" in out and "the practice asks for 6" in out
+    (row,) = csv.DictReader((tmp_path / "study" / "precision.csv").read_text().splitlines())
+    assert float(row["mean_mm"]) == pytest.approx(300.0667, abs=1e-3)
+    assert float(row["bias_mm"]) == pytest.approx(300.0667 - 300.025, abs=1e-3)
+    found = json.loads((tmp_path / "study" / "study.json").read_text())
+    # Three pairs leave three degrees of freedom: too few to be sure of 0.12 %.
+    assert [one["verdict"] for one in found["verdicts"]] == ["pass", "uncertain"]
+    page = (tmp_path / "study" / "study.html").read_text()
+    assert page.count("<rect") == 6 and "http" not in page
+    code, _, err = run("calibrate", "study", tmp_path / "results.csv", "-o", tmp_path / "study")
+    assert code == 2 and "exists already" in err
+
+
+def test_a_study_reads_scans_and_fails_a_check_that_is_asked_for(run, folder, tmp_path):
+    rows = ["laboratory,scan"]
+    for k in range(4):
+        # The same reference, inspected again and again by a scanner that reads 0.5 % too long.
+        (tmp_path / f"s{k}.csv").write_text((folder / f"ring-{k % 2}.csv").read_text())
+        rows.append(f"one,s{k}.csv")
+    (tmp_path / "scans.csv").write_text("\n".join(rows) + "\n")
+    measures = [word for value in ("299.4mm", "299.5mm", "299.5mm", "299.6mm") for word in ("--reference", value)]
+    code, out, _ = run("calibrate", "study", tmp_path / "scans.csv", *measures, "-o", tmp_path / "study", "--check",
+                       *BEARING)  # fmt: skip
+    assert code == 3 and "fail" in out and "One laboratory alone" in out
+    code, out, _ = run("calibrate", "study", tmp_path / "scans.csv", "-o", tmp_path / "bare", *BEARING, "--unit", "m")
+    assert code == 0 and "not_assessed" in out
+
+
+@pytest.mark.parametrize(
+    ("table", "message"),
+    [
+        ("laboratory,material\na,m\n", "the columns with a result are missing"),
+        ("laboratory,diameter_mm,scan\na,1,x\n", "contradict one another"),
+        ("material,diameter_mm\nm,300\n", "the column 'laboratory' is missing"),
+        ("laboratory,materiel,diameter_mm\na,m,300\n", "did you mean 'material'"),
+        ("laboratory,diameter_mm\na,x\n", "row 2, column diameter_mm: 'x' is not a number"),
+        ("laboratory,diameter_mm\na,-3\n", "row 2, column diameter_mm: -3 is not a diameter"),
+        ("laboratory,diameter_mm\n,300\n", "row 2, column laboratory: the cell is empty"),
+        ("laboratory,diameter_mm\n", "there is no row in it"),
+    ],
+)
+def test_a_wrong_table_of_results_is_refused(table, message, run, tmp_path):
+    (tmp_path / "t.csv").write_text(table)
+    code, _, err = run("calibrate", "study", tmp_path / "t.csv", "-o", tmp_path / "study")
+    assert code == 2 and message in err
+
+
+def test_references_stand_in_a_table_of_their_own(run, tmp_path):
+    (tmp_path / "results.csv").write_text(RESULTS)
+    (tmp_path / "r.csv").write_text("material,diameter_in\n" + "ring,11.811\n" * 4)
+    code, out, _ = run("calibrate", "study", tmp_path / "results.csv", "--references", tmp_path / "r.csv", "-o",
+                       tmp_path / "study", "--json")  # fmt: skip
+    assert code == 0
+    assert json.loads(out)["materials"][0]["reference_mm"] == pytest.approx(299.9994)
