@@ -184,3 +184,54 @@ def pair_shares(u, y, ratio, sigma, low, step, gamma, seen, out):
                 if gamma[i, k] > 1e-12:
                     share += gamma[i, k] * ratio[i, j] * density((k - centre) * step, sigma[i]) / seen[i, k]
             out[i, j] += share
+
+
+@njit(cache=True, error_model="numpy")
+def posterior(log_ratio, gap, walk, slip_rate, slip_scale, step, start):
+    """Return the smoothed chain of a drift whose likelihood ratio is known on the grid.
+
+    Args:
+        log_ratio: (n, cells) log likelihood ratio of each place along the pipe at each drift.
+        gap: (n - 1,) distances between the places [m].
+        walk, slip_rate, slip_scale: As in `MatchOptions`.
+        step: Of the grid of drift [m].
+        start: (cells,) weight of each drift at the first place, summing to one.
+
+    Returns:
+        Posterior of the drift (n, cells) in float32, and the log of the evidence.
+    """
+    n, cells = log_ratio.shape
+    alpha = np.empty((n, cells), np.float32)
+    p, q, jump, kernel = start.copy(), np.empty(cells), np.empty(cells), np.empty(cells)
+    log_evidence = 0.0
+    for i in range(n):
+        if i > 0:
+            transition(p, gap[i - 1], walk, slip_rate, slip_scale, step, q, jump, kernel)
+            p, q = q, p
+        top = log_ratio[i].max()
+        total = 0.0
+        for k in range(cells):
+            p[k] *= np.exp(log_ratio[i, k] - top)
+            total += p[k]
+        if not total > 0.0:
+            return alpha, -np.inf
+        log_evidence += top + np.log(total)
+        for k in range(cells):
+            p[k] /= total
+        alpha[i] = p
+    beta = np.ones(cells)
+    for i in range(n - 2, -1, -1):
+        top = log_ratio[i + 1].max()
+        for k in range(cells):
+            beta[k] *= np.exp(log_ratio[i + 1, k] - top)
+        transition(beta, gap[i], walk, slip_rate, slip_scale, step, q, jump, kernel)
+        beta, q = q, beta
+        most = beta.max()
+        total = 0.0
+        for k in range(cells):
+            beta[k] /= most
+            alpha[i, k] *= beta[k]
+            total += alpha[i, k]
+        for k in range(cells):
+            alpha[i, k] /= total
+    return alpha, log_evidence

@@ -1,0 +1,201 @@
+"""The wall of one inspection as a map: how far it stands outside its fitted section, by chainage and bearing."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ..errors import ContractError
+from ..geometry.measures import polar_radius
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from ..survey import Survey
+
+_MOST_ROWS = 180
+_BLOCK = 2048
+_SETTLE = 1.0  # s over which gravity is averaged
+
+
+@dataclass(frozen=True)
+class Wall:
+    """The wall seen in one inspection, on equal bearings about the middle of its section.
+
+    Attributes:
+        chainage: (n,) of each ring [m], rising.
+        surface: (n, m) how far the wall stands outside the fitted section [m], float32, at bearings 2 pi k / m; NaN
+            where nothing was seen.
+        count: (n, m) readings behind each cell, uint8.
+        parameters: (n, 3) mean_radius, oval_cos, oval_sin of the fitted section [m]; NaN where there is none.
+        noise: One-sigma of one reading about its section [m], as its usual ring has it.
+        roll_source: Where the bearings' vertical comes from: `pose`, `gravity`, or `sensor` when the sensor's own zero
+            is taken for it.
+        name: What messages call the inspection.
+    """
+
+    chainage: NDArray[np.float64]
+    surface: NDArray[np.float32]
+    count: NDArray[np.uint8]
+    parameters: NDArray[np.float64]
+    noise: float
+    roll_source: str
+    name: str
+
+    @property
+    def bearing(self) -> NDArray[np.float64]:
+        """Bearings of the cells' middles (m,) [rad]."""
+        return np.arange(self.surface.shape[1]) * (2 * np.pi / self.surface.shape[1])
+
+    @property
+    def extent(self) -> tuple[float, float]:
+        """First and last chainage [m]."""
+        return float(self.chainage[0]), float(self.chainage[-1])
+
+    @property
+    def spacing(self) -> float:
+        """Usual distance between rings [m]."""
+        return float(np.median(np.diff(self.chainage)))
+
+    @property
+    def radius(self) -> float:
+        """Usual mean radius [m]."""
+        return float(np.nanmedian(self.parameters[:, 0]))
+
+    def upright(self) -> bool:
+        """Return whether the vertical of the bearings was measured."""
+        return self.roll_source != "sensor"
+
+    def mirrored(self, extent: tuple[float, float] | None = None) -> Wall:
+        """Return the wall as seen driving the other way: chainage to first + last less itself, bearing to pi less it.
+
+        Args:
+            extent: First and last chainage to mirror about [m]; those of the rings when not given.
+        """
+        first, last = extent or self.extent
+        rows = self.surface.shape[1]
+        turned = (rows // 2 - np.arange(rows)) % rows
+        return replace(
+            self,
+            chainage=(first + last) - self.chainage[::-1],
+            surface=self.surface[::-1][:, turned],
+            count=self.count[::-1][:, turned],
+            parameters=self.parameters[::-1] * [1.0, 1.0, -1.0],
+        )
+
+
+def wall_of(survey: Survey) -> Wall:
+    """Return the wall of a finished survey.
+
+    Readings are put about the middle of their section, turned upright where roll is known, and averaged in equal
+    bearings, at most 180 of an even number: half as many as a ring has readings.
+
+    Args:
+        survey: With `/rings`, `/section` and, when readings were set aside, `/mask`.
+
+    Raises:
+        ContractError: A group is missing, or there are fewer than two rings.
+    """
+    name = str(survey.attrs.get("name") or "survey")
+    for group in ("rings", "section"):
+        if not survey.has(group):
+            raise ContractError(f"the survey has no /{group}", where=name, mend="run springline.inspect on it first")
+    rings, section = survey.rings, survey.section
+    if rings.sizes["ring"] < 2:
+        raise ContractError("it holds a single ring", where=name, expected="at least two, to lie along a pipe")
+    distance = rings["distance"].values.astype(float)
+    at = _station_of_ring(survey, distance)
+    parameters = section["parameters"].values.astype(float)[at]
+    centre = np.column_stack([section[f"centre_{axis}"].values.astype(float)[at] for axis in "yz"])
+    roll, source = _roll(survey)
+    rows = max(2 * (min(rings.sizes["bearing"] // 2, _MOST_ROWS) // 2), 8)
+    surface, count = _binned(survey, parameters, centre, roll, rows)
+    noise = float(np.nanmedian(section["noise"].values)) if "noise" in section else np.nan
+    chainage = section["chainage"].values.astype(float)
+    along = chainage if len(chainage) == len(distance) else np.interp(distance, _distances(survey), chainage)
+    return Wall(along, surface, count, _turned(parameters, roll), noise, source, name)
+
+
+def _distances(survey: Survey) -> NDArray[np.float64]:
+    """Return distance of each station [m], its chainage where the odometer did not count."""
+    distance = survey.section["distance"].values.astype(float)
+    return distance if np.isfinite(distance).all() else survey.section["chainage"].values.astype(float)
+
+
+def _station_of_ring(survey: Survey, distance: NDArray[np.float64]) -> NDArray[np.int64]:
+    stations = survey.section.sizes["station"]
+    if stations == distance.size:
+        return np.arange(stations)
+    at = _distances(survey)
+    return np.clip(np.searchsorted(0.5 * (at[1:] + at[:-1]), distance), 0, stations - 1)
+
+
+def _roll(survey: Survey) -> tuple[NDArray[np.float64], str]:
+    """Return each ring's roll [rad], 0 where it is not known, and where it comes from."""
+    count = survey.rings.sizes["ring"]
+    if survey.has("pose") and np.isfinite(survey.pose["roll"].values).any():
+        roll = survey.pose["roll"].values.astype(float)
+        known = np.isfinite(roll)
+        return np.interp(np.arange(count), np.flatnonzero(known), np.unwrap(roll[known])), "pose"
+    if survey.has("inertial") and "time" in survey.rings:
+        roll = _gravity(survey)
+        if roll is not None:
+            return roll, "gravity"
+    return np.zeros(count), "sensor"
+
+
+def _gravity(survey: Survey) -> NDArray[np.float64] | None:
+    """Return each ring's roll [rad] by the vertical that the inertial unit felt; None without one."""
+    from scipy.ndimage import uniform_filter1d
+
+    inertial, when = survey.inertial, survey.rings["time"].values.astype(float)
+    time = inertial["time"].values.astype(float)
+    if not np.isfinite(when).all() or time.size < 2:
+        return None
+    if "bank" in inertial:
+        return -np.interp(when, time, np.unwrap(inertial["bank"].values.astype(float)))
+    if "accel" not in inertial:
+        return None
+    width = max(1, round(_SETTLE / float(np.median(np.diff(time)))))
+    up, right = (uniform_filter1d(inertial["accel"].values[:, k].astype(float), width) for k in (1, 2))
+    return np.interp(when, time, np.unwrap(np.arctan2(right, up)))
+
+
+def _turned(parameters: NDArray[np.float64], roll: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return section parameters (n, 3) with bearings turned by roll (n,) [rad]."""
+    mean, c, s = parameters.T
+    cos, sin = np.cos(2 * roll), np.sin(2 * roll)
+    return np.column_stack((mean, c * cos - s * sin, c * sin + s * cos))
+
+
+def _binned(
+    survey: Survey, parameters: NDArray, centre: NDArray, roll: NDArray, rows: int
+) -> tuple[NDArray[np.float32], NDArray[np.uint8]]:
+    """Return (ring, rows) mean departure from the section and number of readings, block by block."""
+    ranges = survey.rings["range"]
+    reasons = survey.mask["reason"] if survey.has("mask") else None
+    bearing = survey.rings["bearing"].values.astype(float)
+    n = ranges.shape[0]
+    surface, count = np.full((n, rows), np.nan, np.float32), np.zeros((n, rows), np.uint8)
+    for start in range(0, n, _BLOCK):
+        part = slice(start, min(start + _BLOCK, n))
+        r = ranges[part].values.astype(float)
+        if reasons is not None:
+            r = np.where(reasons[part].values == 0, r, np.nan)
+        y = r * np.sin(bearing) - centre[part, :1]
+        z = r * np.cos(bearing) - centre[part, 1:]
+        phi = np.arctan2(y, z)
+        departure = np.hypot(y, z) - polar_radius(parameters[part, None, :], phi)
+        seen = np.isfinite(departure)
+        cell = np.rint((np.nan_to_num(phi) + roll[part, None]) * (rows / (2 * np.pi))).astype(np.int64) % rows
+        cell += np.arange(len(r))[:, None] * rows
+        size = len(r) * rows
+        found = np.bincount(cell[seen], minlength=size)
+        total = np.bincount(cell[seen], weights=departure[seen], minlength=size)
+        with np.errstate(invalid="ignore"):
+            mean = np.where(found > 0, total / found, np.nan)
+        surface[part] = mean.reshape(-1, rows)
+        count[part] = np.minimum(found, 255).reshape(-1, rows)
+    return surface, count
