@@ -8,11 +8,13 @@ from . import __version__
 from .calibration import apply_calibration
 from .config import Config
 from .design import judge, load_rule
+from .errors import InputError
 from .stages.clean import clean
 from .stages.estimate import estimate
 from .stages.liner import liner
 from .stages.metrics import metrics
 from .stages.overrides import corrections, masks
+from .stages.ring_video import ring_video
 from .stages.rings import rings
 from .survey import add_run, validate
 
@@ -55,8 +57,9 @@ def inspect(
     True
     """
     config, rules = config or Config(), [load_rule(name) for name in checks]
-    survey = add_run(validate(survey.source()), version=__version__, config=config.model_dump(mode="json"))
-    survey = apply_calibration(survey)
+    survey = _measurable(survey.source())
+    survey = add_run(validate(survey), version=__version__, config=config.model_dump(mode="json"))
+    survey = apply_calibration(ring_video(survey, config))
     for done, stage in enumerate(STAGES):
         if progress:
             progress(stage.__name__, done / len(STAGES))
@@ -66,3 +69,15 @@ def inspect(
     if progress:
         progress("done", 1.0)
     return survey
+
+
+def _measurable(survey: Survey) -> Survey:
+    """Return a survey that holds rings or points; refuse one that holds what people coded, and nothing measured."""
+    if survey.has("rings") or survey.has("points"):
+        return survey
+    held = ", ".join(f"/{name}" for name in survey.groups) or "nothing"
+    raise InputError(
+        f"there is no scan to inspect: the survey holds {held}",
+        where=str(survey.attrs.get("name", "survey")),
+        expected="rings or points",
+    )
