@@ -10,7 +10,9 @@ from .config import Config
 from .design import judge, load_rule
 from .errors import InputError
 from .stages.clean import clean
+from .stages.detect import detect
 from .stages.estimate import estimate
+from .stages.features import features
 from .stages.liner import liner
 from .stages.metrics import metrics
 from .stages.overrides import corrections, masks
@@ -23,7 +25,7 @@ if TYPE_CHECKING:
 
     from .survey import Survey
 
-STAGES = (rings, clean, masks, estimate, liner, metrics, corrections)
+STAGES = (rings, clean, masks, detect, estimate, liner, metrics, features, corrections)
 """The stages in the order in which they run; each takes a survey and its settings and adds its groups."""
 
 
@@ -43,7 +45,7 @@ def inspect(
         progress: Called with a stage's name and the share of the chain done, from 0 to 1.
 
     Returns:
-        The survey with `/rings`, `/mask`, `/pose`, `/section` and `/metrics`, and with warnings and assumptions in
+        The survey with `/rings`, `/mask`, `/candidates`, `/pose`, `/section`, `/metrics` and `/features`, and with warnings and assumptions in
         its attributes.
 
     Raises:
@@ -57,9 +59,8 @@ def inspect(
     True
     """
     config, rules = config or Config(), [load_rule(name) for name in checks]
-    survey = _measurable(survey.source())
-    survey = add_run(validate(survey), version=__version__, config=config.model_dump(mode="json"))
-    survey = apply_calibration(ring_video(survey, config))
+    survey = add_run(validate(survey.source()), version=__version__, config=config.model_dump(mode="json"))
+    survey = _measurable(apply_calibration(ring_video(survey, config)))
     for done, stage in enumerate(STAGES):
         if progress:
             progress(stage.__name__, done / len(STAGES))
