@@ -19,6 +19,7 @@ _BY_HAND = next(code for code, name in MASK_REASONS.items() if name == "by_hand"
 _WITHIN = 0.25
 _CLOCK_WITHIN = 1.0
 _APART = 0.02
+_EDGE = 1e-9
 _CHAINAGES = ("chainage", "bend_start")
 _FEATURE_ACTIONS = ("relabel", "remove", "add")
 _CENTRELINE = {"easting_m": "easting", "northing_m": "northing", "elevation_m": "elevation"}
@@ -56,7 +57,7 @@ def _inside(change: dict[str, Any], along: np.ndarray, bearing: np.ndarray) -> n
     # Clockwise from one end to the other is counter-clockwise from the other to the one.
     start = bearing_from_clock(change["to_clock"])
     width = (bearing_from_clock(change["from_clock"]) - start) % (2 * np.pi)
-    return span[:, None] & (((bearing - start) % (2 * np.pi)) <= width + 1e-9)[None, :]
+    return span[:, None] & (((bearing - start + _EDGE) % (2 * np.pi)) <= width + 2 * _EDGE)[None, :]
 
 
 def corrections(survey: Survey, config: Config) -> Survey:
