@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ...io.trees import clean
 from ..results import Results
 
 if TYPE_CHECKING:
@@ -44,7 +45,8 @@ def write_dxf(survey: Survey, path: Path, *, sections: int = _SECTIONS) -> None:
         _readings(space, results, station, z, y)
         label = space.add_text(f"{results.chainage[station]:.3f} m", height=circle / 20, dxfattribs={"layer": "TEXT"})
         label.set_placement((z - circle / 4, y - 0.62 * circle))
-    title = " ".join(str(survey.attrs.get("name") or "pipe").split())
+    # A caret and two percent signs begin special characters in DXF texts.
+    title = " ".join(clean(str(survey.attrs.get("name") or "pipe")).split()).replace("^", "^ ").replace("%%", "% %")
     space.add_text(
         f"{title}: sections looking forward, mm; grey circle {circle:.1f} mm",
         height=circle / 12,

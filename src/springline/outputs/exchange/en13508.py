@@ -8,6 +8,7 @@ import json
 from typing import TYPE_CHECKING
 
 from ...io.en13508 import DIRECTIONS, HEAD, HEADER, LETTERS, cells_of
+from ...io.trees import clean
 from .coded import inspections, is_own
 
 if TYPE_CHECKING:
@@ -65,7 +66,7 @@ def _block(inspection: Inspection, head: dict[str, str], *, own: bool) -> str:
 
 def _row(cells: list[str], head: dict[str, str]) -> str:
     """Return one line; line breaks in a cell become spaces, and a cell that looks like a mark is quoted."""
-    flat = [" ".join(str(cell).splitlines()) for cell in cells]
+    flat = [" ".join(clean(str(cell)).splitlines()) for cell in cells]
     stream = io.StringIO()
     csv.writer(stream, delimiter=head["A3"], quotechar=head["A5"], lineterminator="").writerow(flat)
     line = stream.getvalue()

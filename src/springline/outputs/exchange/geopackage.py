@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ...errors import InputError
+from ...io.trees import clean
 from ..results import Results
 from ..tables import features_table, stations_table
 from .centreline import centreline, straight
@@ -62,7 +63,10 @@ def _layer(
     from pyogrio.raw import write
 
     kind = "LineString" if layer == "centreline" else "Point"
-    values = [np.asarray(v, object if isinstance(v[0], str) else float) for v in columns.values()]
+    values = [
+        np.array([clean(one) for one in v], object) if isinstance(v[0], str) else np.asarray(v, float)
+        for v in columns.values()
+    ]
     try:
         write(
             path,
