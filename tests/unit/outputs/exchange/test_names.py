@@ -36,6 +36,11 @@ def named(name):
     return with_layout(survey.corrected("features", features).with_attrs(operator=name, material=name))
 
 
+def cleaned(name):
+    """Return the words of a name without control characters."""
+    return "".join(c for c in name if c >= " " or c in "\n\t\r").split()
+
+
 @pytest.fixture(
     scope="module", params=NAMES, ids=["markup", "formula", "letters", "path", "lines", "templates", "long"]
 )
