@@ -223,6 +223,13 @@ def open_survey(path: str | Path) -> Survey:
     return Survey(known, attrs)
 
 
+def _empty_texts(name: str, data: xr.Dataset) -> xr.Dataset:
+    """Return a group whose text variables without an element are texts: empty ones come back from zarr as numbers."""
+    texts = {v.name for v in GROUPS[name].variables if v.dtype == "str"} if name in GROUPS else set()
+    empty = [v for v in texts if v in data and data[v].size == 0 and data[v].dtype.kind != "U"]
+    return data.assign({v: (data[v].dims, np.empty(data[v].shape, "<U1"), data[v].attrs) for v in empty})
+
+
 def _read_groups(path: Path) -> tuple[dict[str, xr.Dataset], dict[str, Any]]:
     import zarr
     from zarr.storage import LocalStore, ZipStore
@@ -240,6 +247,7 @@ def _read_groups(path: Path) -> tuple[dict[str, xr.Dataset], dict[str, Any]]:
         groups[name] = data.assign(
             {key: (array.dims, array.values.astype(object).astype(str), array.attrs) for key, array in text.items()}
         )
+        groups[name] = _empty_texts(name, groups[name])
         if stored is not None:
             _check_chunks(root[name], stored)
     return groups, attrs

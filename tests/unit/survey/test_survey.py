@@ -173,3 +173,10 @@ def test_warnings_are_kept_once_and_source_drops_them(survey):
     assert warned.warnings == ["mind the gap", "and the step"]
     assert json.loads(warned.attrs["warnings"]) == warned.warnings
     assert warned.source().warnings == []
+
+
+def test_texts_without_an_element_come_back_as_texts(survey, tmp_path):
+    none = xr.Dataset({"kind": ("feature", np.empty(0, "<U3")), "chainage": ("feature", np.empty(0))})
+    save_survey(survey.with_group("features", none), tmp_path / "s.zarr.zip")
+    found = validate(open_survey(tmp_path / "s.zarr.zip"))
+    assert found.features["kind"].dtype.kind == "U" and found.features.sizes == {"feature": 0}
