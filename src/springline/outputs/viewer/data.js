@@ -2,13 +2,20 @@
 
 const EMPTY = -32000;
 
+// From base64; browsers of before 2025 lack the quick way.
+function bytesOf(text) {
+  if (Uint8Array.fromBase64) return Uint8Array.fromBase64(text);
+  const letters = atob(text);
+  const bytes = new Uint8Array(letters.length);
+  for (let i = 0; i < letters.length; i += 1) bytes[i] = letters.charCodeAt(i);
+  return bytes;
+}
+
 async function loadSurvey() {
   const header = JSON.parse(document.getElementById("header").textContent);
   const element = document.getElementById("payload");
-  const text = atob(element.textContent.trim());
+  const bytes = bytesOf(element.textContent.trim());
   element.remove();
-  const bytes = new Uint8Array(text.length);
-  for (let i = 0; i < text.length; i += 1) bytes[i] = text.charCodeAt(i);
   const stream = new Blob([bytes]).stream().pipeThrough(new DecompressionStream("deflate"));
   const buffer = await new Response(stream).arrayBuffer();
   const kinds = { f8: Float64Array, f4: Float32Array, i2: Int16Array };
@@ -47,10 +54,22 @@ function fittedRadius(survey, group, k) {
   return (a * b) / Math.hypot(b * Math.cos(phase), a * Math.sin(phase));
 }
 
+// Radius [m] of the drawn wall of a layer (shape, or other: the other inspection), departures exaggerated.
+function wallRadius(survey, layer, group, k, exaggeration) {
+  const value = survey[layer][group * survey.rows + (k % survey.rows)];
+  let departure = value * survey.tick;
+  // Behind a hole the fit carries the shape, so that its rim does not bend.
+  if (value < EMPTY) departure = survey.semi_major[group] > 0 ? fittedRadius(survey, group, k) - survey.circle / 2 : 0;
+  return survey.circle / 2 + exaggeration * departure;
+}
+
+const isSeen = (survey, group, k) => survey.shape[group * survey.rows + (k % survey.rows)] >= EMPTY;
+
 // Palette index of every cell: a step of the scale, or the colour of the reason why there is none.
 function cellColours(survey, mode) {
   if (survey.colours[mode]) return survey.colours[mode];
-  const { rows, groups, shape, tick } = survey;
+  const { rows, groups, tick } = survey;
+  const shape = mode === "other" ? survey.other : survey.shape;
   const half = (survey.levels - 1) / 2;
   const limit = survey.limits[mode];
   const result = new Uint8Array(groups * rows);
@@ -63,6 +82,14 @@ function cellColours(survey, mode) {
         continue;
       }
       let departure = value * tick;
+      if (mode === "difference") {
+        const before = survey.other[cell];
+        if (before < EMPTY) {
+          result[cell] = survey.reasons[before + 32768];
+          continue;
+        }
+        departure -= before * tick;
+      }
       if (mode === "surface") departure += survey.circle / 2 - fittedRadius(survey, g, k);
       result[cell] = Math.round(Math.max(-1, Math.min(1, departure / limit)) * half + half);
     }
@@ -70,6 +97,13 @@ function cellColours(survey, mode) {
   survey.colours[mode] = result;
   return result;
 }
+
+function rowAt(survey, bearing) {
+  const row = Math.round((bearing / (2 * Math.PI)) * survey.rows) % survey.rows;
+  return row < 0 ? row + survey.rows : row;
+}
+
+const bearingOfClock = (hours) => Math.PI / 2 - (hours * Math.PI) / 6;
 
 function clockText(bearing) {
   const minutes = ((Math.round((3 - (bearing * 6) / Math.PI) * 60) % 720) + 720) % 720;

@@ -12,11 +12,12 @@ import numpy as np
 from ...conventions import FIT_STATUS
 from ..colours import LEVELS, REASON_COLOURS, nice_limit, rgb, scale_colours
 from ..tables import features_table
-from ..unroll import REASON_WORDS, REASONS
+from ..unroll import NO_STATION, REASON_WORDS, REASONS
 
 if TYPE_CHECKING:
     from ..results import Results
     from ..unroll import Unrolled
+    from .epochs import Epoch
 
 _LARGEST = 32000
 """Departures in ticks stay within this; below it stand the reasons of empty cells."""
@@ -32,6 +33,8 @@ _VALUES = (
     "ovality_polar_high",
     "deflection",
     "deflection_sigma",
+    "area_loss",
+    "capacity_loss",
     "semi_major",
     "semi_minor",
     "axis_bearing",
@@ -39,20 +42,26 @@ _VALUES = (
 )
 
 
-def pack(results: Results, wall: Unrolled) -> tuple[dict[str, Any], str]:
+_LAYOUT = ("elevation", "gradient")
+
+
+def pack(results: Results, wall: Unrolled, other: Epoch | None = None) -> tuple[dict[str, Any], str]:
     """Return the viewer's header and its arrays, compressed (zlib) and in base64.
 
     The arrays stand one after the other as the header's `arrays` lists them, little-endian. `shape` holds, for each
     group of stations and bearing, the departure from the circle in ticks; -32768 plus a flag of `unroll.REASONS`
-    where there is none. Values of a group are those of its worst station.
+    where there is none. `other` holds the same of another inspection, when there is one. Values of a group are those of
+    its worst station.
 
     Args:
         results: The finished survey.
         wall: Its unrolled wall.
+        other: Another inspection on the same cells.
     """
     station = _representatives(results, wall)
-    finite = np.abs(wall.shape[np.isfinite(wall.shape)])
-    tick = max(1e-5, float(finite.max(initial=0.0)) / _LARGEST)
+    walls = [wall] if other is None else [wall, other.wall]
+    furthest = max(float(np.abs(one.shape[np.isfinite(one.shape)]).max(initial=0.0)) for one in walls)
+    tick = max(1e-5, furthest / _LARGEST)
     arrays = {
         "start": wall.start.astype("<f8"),
         "end": wall.end.astype("<f8"),
@@ -60,7 +69,9 @@ def pack(results: Results, wall: Unrolled) -> tuple[dict[str, Any], str]:
         **{name: results.metric(name)[station].astype("<f4") for name in _VALUES},
         "coverage": results.coverage[station].astype("<f4"),
         "status": results.status[station].astype("<f4"),
+        **{name: results.station("layout", name)[station].astype("<f4") for name in _layout(results)},
         "shape": _ticks(wall, tick),
+        **({} if other is None else {"other": _ticks(other.wall, tick)}),
     }
     reference = results.metrics_attr("reference_diameter")
     header = {
@@ -71,12 +82,13 @@ def pack(results: Results, wall: Unrolled) -> tuple[dict[str, Any], str]:
         "circle": wall.circle_diameter,
         "reference": reference if isfinite(reference) else None,
         "referenceKind": str(results.survey.metrics.attrs.get("reference_kind", "none")),
-        "limits": {"shape": nice_limit(wall.shape), "surface": nice_limit(wall.surface)},
+        "limits": _limits(wall, other),
+        "otherName": None if other is None else other.name,
         "joined": -(-results.stations // int(wall.start.size)),
         "palette": [*scale_colours().tolist(), *(list(rgb(colour)) for colour in _reasons().values())],
         "levels": LEVELS,
         "reasons": {flag: LEVELS + k for k, flag in enumerate(_reasons())},
-        "reasonWords": {flag: REASON_WORDS[REASONS[flag]] for flag in _reasons()},
+        "reasonWords": {flag: REASON_WORDS[{**REASONS, NO_STATION: "no_station"}[flag]] for flag in _reasons()},
         "statusWords": dict(FIT_STATUS),
         "features": _features(results),
         "arrays": [[name, values.dtype.str[1:], int(values.size)] for name, values in arrays.items()],
@@ -85,6 +97,19 @@ def pack(results: Results, wall: Unrolled) -> tuple[dict[str, Any], str]:
     parts = [packer.compress(np.ascontiguousarray(values).data) for values in arrays.values()]
     parts.append(packer.flush())
     return header, base64.b64encode(b"".join(parts)).decode("ascii")
+
+
+def _layout(results: Results) -> list[str]:
+    return [name for name in _LAYOUT if np.isfinite(results.station("layout", name)).any()]
+
+
+def _limits(wall: Unrolled, other: Epoch | None) -> dict[str, float]:
+    limits = {"shape": nice_limit(wall.shape), "surface": nice_limit(wall.surface)}
+    if other is None:
+        return limits
+    # Two inspections are compared by the same colours.
+    limits["shape"] = limits["other"] = max(limits["shape"], nice_limit(other.wall.shape))
+    return limits | {"difference": nice_limit(wall.shape - other.wall.shape)}
 
 
 def _representatives(results: Results, wall: Unrolled) -> np.ndarray:
@@ -106,12 +131,28 @@ def _ticks(wall: Unrolled, tick: float) -> np.ndarray:
 
 
 def _reasons() -> dict[int, str]:
-    return {flag: REASON_COLOURS[name] for flag, name in REASONS.items() if flag}
+    named = {**REASONS, NO_STATION: "no_station"}
+    return {flag: REASON_COLOURS[name] for flag, name in named.items() if flag}
 
 
 def _features(results: Results) -> list[dict[str, Any]]:
+    def known(value: float, factor: float = 1.0) -> float | None:
+        return float(value) * factor if isfinite(value) else None
+
     return [
-        {"kind": row.kind, "chainage": float(row.chainage_m), "clock": float(row.clock_h) if row.clock_h > 0 else None}
-        for row in features_table(results.survey).itertuples()
+        {
+            "number": number,
+            "kind": row.kind,
+            "chainage": float(row.chainage_m),
+            "sigma": known(row.chainage_sigma_m),
+            "clock": known(row.clock_h),
+            "size": known(row.size_mm, 1e-3),
+            "length": known(row.length_mm, 1e-3),
+            "depth": known(row.depth_mm, 1e-3),
+            "confidence": known(row.confidence),
+            "source": row.source,
+            "image": row.image,
+        }
+        for number, row in enumerate(features_table(results.survey).itertuples(), 1)
         if isfinite(row.chainage_m)
     ]

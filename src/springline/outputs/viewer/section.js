@@ -1,5 +1,6 @@
 // The section at the cursor: readings, fit and the circle it is judged against, seen looking forward.
 
+const OTHER = "#9a3fb5";
 const STEPS = [1, 2, 5, 10, 20, 50, 100, 200];
 
 class SectionView {
@@ -23,22 +24,22 @@ class SectionView {
     const { context, width, height } = sharp(this.canvas);
     const circle = (survey.reference || survey.circle) / 2;
     const radius = 0.36 * Math.min(width, height);
-    const readings = [];
-    for (let k = 0; k < survey.rows; k += 1) {
-      const value = survey.shape[group * survey.rows + k];
-      if (value >= EMPTY) readings.push([survey.circle / 2 + value * survey.tick, k]);
-    }
+    const readings = this.readings("shape");
     const factor = this.factor(readings, circle);
     const place = (r, k) => {
       const drawn = Math.min(1.36, Math.max(0, 1 + factor * (r / circle - 1))) * radius;
       return [width / 2 + drawn * survey.cosines[k % survey.rows], height / 2 - drawn * survey.sines[k % survey.rows]];
     };
     this.drawFrame(context, width, height, radius);
-    context.fillStyle = INK;
-    for (const [r, k] of readings) {
-      const [x, y] = place(r, k);
-      context.fillRect(x - 1.2, y - 1.2, 2.4, 2.4);
-    }
+    const dots = (colour, values) => {
+      context.fillStyle = colour;
+      for (const [r, k] of values) {
+        const [x, y] = place(r, k);
+        context.fillRect(x - 1.2, y - 1.2, 2.4, 2.4);
+      }
+    };
+    if (survey.other) dots(OTHER, this.readings("other"));
+    dots(INK, readings);
     if (survey.semi_major[group] > 0) {
       context.strokeStyle = "#c0392b";
       context.lineWidth = 1.6;
@@ -48,7 +49,17 @@ class SectionView {
       context.lineWidth = 1;
     }
     const against = survey.reference ? `${survey.referenceKind} circle` : "circle of the mean diameter";
-    this.note.textContent = `Looking forward. Dots: readings; red: fit; dashed: ${against}. Departures ${factor > 1 ? `drawn ${factor} times as large` : "to scale"}.`;
+    this.note.textContent = `Looking forward. Dots: readings${survey.other ? `, purple those of ${survey.otherName}` : ""}; red: fit; dashed: ${against}. Departures ${factor > 1 ? `drawn ${factor} times as large` : "to scale"}.`;
+  }
+
+  readings(layer) {
+    const { survey, group } = this;
+    const found = [];
+    for (let k = 0; k < survey.rows; k += 1) {
+      const value = survey[layer][group * survey.rows + k];
+      if (value >= EMPTY) found.push([survey.circle / 2 + value * survey.tick, k]);
+    }
+    return found;
   }
 
   factor(readings, circle) {
@@ -95,11 +106,6 @@ class SectionView {
       ["Coverage", Number.isFinite(s.coverage[g]) ? `${(100 * s.coverage[g]).toFixed(0)} %` : "–"],
     );
     if (s.joined > 1) rows.push(["Joined", `${s.joined} stations, the worst shown`]);
-    this.values.replaceChildren(...rows.flatMap(([label, value]) => {
-      const [dt, dd] = [document.createElement("dt"), document.createElement("dd")];
-      dt.textContent = label;
-      dd.textContent = value;
-      return [dt, dd];
-    }));
+    fillList(this.values, rows);
   }
 }

@@ -10,6 +10,9 @@ const SERIES = {
   },
   Ovality: { unit: "%", factor: 100, lines: [["ovality_polar", "polar mean, with 95 %", INK]], band: (s, g) => [s.ovality_polar_low[g], s.ovality_polar_high[g]], zero: true },
   Deflection: { unit: "%", factor: 100, lines: [["deflection", "deflection, with 95 %", INK]], band: (s, g) => [s.deflection[g] - 1.96 * s.deflection_sigma[g], s.deflection[g] + 1.96 * s.deflection_sigma[g]], zero: true },
+  Losses: { unit: "%", factor: 100, lines: [["area_loss", "area", "#0072b2"], ["capacity_loss", "capacity", "#d55e00", [7, 3]]], zero: true },
+  Elevation: { unit: "m", factor: 1, lines: [["elevation", "axis", INK]] },
+  Gradient: { unit: "%", factor: 100, lines: [["gradient", "rising along travel", INK]] },
   Coverage: { unit: "%", factor: 100, lines: [["coverage", "used over possible readings", "#0072b2"]], zero: true },
 };
 
@@ -18,12 +21,15 @@ class Strips {
     this.survey = survey;
     this.map = document.getElementById("map");
     this.chart = document.getElementById("chart");
+    this.otherMap = document.getElementById("other-map");
+    this.otherPicture = document.createElement("canvas");
     this.window = [survey.low, survey.high];
     this.mode = "shape";
     this.series = "Diameters";
     this.cursor = survey.low;
     this.picture = document.createElement("canvas");
-    for (const canvas of [this.map, this.chart]) this.listen(canvas, onPick);
+    this.ruler = [];
+    for (const canvas of [this.map, this.otherMap, this.chart]) this.listen(canvas, onPick);
   }
 
   listen(canvas, onPick) {
@@ -34,7 +40,7 @@ class Strips {
     };
     canvas.addEventListener("pointerdown", (event) => {
       from = { x: event.clientX, window: [...this.window], moved: false };
-      canvas.setPointerCapture(event.pointerId);
+      if (event.isTrusted) canvas.setPointerCapture(event.pointerId);
     });
     canvas.addEventListener("pointermove", (event) => {
       if (!from) return;
@@ -45,7 +51,7 @@ class Strips {
       this.setWindow(from.window[0] + shift, from.window[1] + shift);
     });
     canvas.addEventListener("pointerup", (event) => {
-      if (from && !from.moved) onPick(chainageAt(event));
+      if (from && !from.moved) onPick(chainageAt(event), canvas === this.chart ? null : this.bearingAt(event, canvas));
       from = null;
     });
     canvas.addEventListener("wheel", (event) => {
@@ -54,6 +60,12 @@ class Strips {
       const factor = Math.exp(Math.max(-0.5, Math.min(0.5, event.deltaY / 400)));
       this.setWindow(middle - (middle - this.window[0]) * factor, middle + (this.window[1] - middle) * factor);
     }, { passive: false });
+  }
+
+  // Bearing grows downwards from the invert.
+  bearingAt(event, canvas) {
+    const share = (event.clientY - canvas.getBoundingClientRect().top - 7) / (canvas.clientHeight - 24);
+    return -Math.PI / 2 + 2 * Math.PI * Math.min(1, Math.max(0, share));
   }
 
   setWindow(low, high) {
@@ -75,7 +87,8 @@ class Strips {
   }
 
   draw() {
-    this.drawMap();
+    this.drawMap(this.map, this.picture, this.mode);
+    if (!this.otherMap.hidden) this.drawMap(this.otherMap, this.otherPicture, "other");
     this.drawChart();
   }
 
@@ -83,37 +96,61 @@ class Strips {
     return GUTTER + ((chainage - this.window[0]) / (this.window[1] - this.window[0])) * (width - GUTTER - 8);
   }
 
-  drawMap() {
-    const { context, width, height } = sharp(this.map);
+  drawMap(canvas, picture, mode) {
+    const { context, width, height } = sharp(canvas);
     const box = { left: GUTTER, top: 7, width: width - GUTTER - 8, height: height - 24 };
-    this.paint(Math.max(1, Math.round(box.width)));
+    this.paint(picture, mode, Math.max(1, Math.round(box.width)));
     context.imageSmoothingEnabled = false;
-    context.drawImage(this.picture, box.left, box.top, box.width, box.height);
+    context.drawImage(picture, box.left, box.top, box.width, box.height);
     context.strokeStyle = "#8b95a1";
     context.strokeRect(box.left, box.top, box.width, box.height);
     context.fillStyle = SOFT;
     context.textAlign = "right";
     context.textBaseline = "middle";
     [6, 3, 12, 9, 6].forEach((hour, n) => context.fillText(`${hour} h`, GUTTER - 6, box.top + (n / 4) * box.height));
-    context.strokeStyle = INK;
-    for (const feature of this.survey.features) {
-      const x = this.x(feature.chainage, width);
-      if (feature.clock === null || x < box.left || x > box.left + box.width) continue;
-      context.beginPath();
-      context.arc(x, box.top + ((((6 - feature.clock) / 12) % 1 + 1) % 1) * box.height, 8, 0, 2 * Math.PI);
-      context.stroke();
-    }
+    this.drawMarks(context, width, box);
     this.drawChainage(context, width, box);
   }
 
+  // Circles where features have a place on the wall, ticks at both edges where they go all the way round.
+  drawMarks(context, width, box) {
+    context.strokeStyle = INK;
+    context.textAlign = "left";
+    for (const feature of this.survey.features) {
+      const x = this.x(feature.chainage, width);
+      if (x < box.left || x > box.left + box.width) continue;
+      context.beginPath();
+      if (feature.clock === null) {
+        for (const [from, to] of [[0, 6], [box.height - 6, box.height]]) {
+          context.moveTo(x, box.top + from);
+          context.lineTo(x, box.top + to);
+        }
+      } else context.arc(x, box.top + ((((6 - feature.clock) / 12) % 1 + 1) % 1) * box.height, 8, 0, 2 * Math.PI);
+      context.stroke();
+    }
+    context.strokeStyle = "#d50057";
+    for (const point of this.ruler) {
+      const [x, y] = [this.x(point.chainage, width), box.top + (((point.bearing / (2 * Math.PI) + 0.25) % 1) + 1) % 1 * box.height];
+      context.beginPath();
+      context.moveTo(x - 6, y);
+      context.lineTo(x + 6, y);
+      context.moveTo(x, y - 6);
+      context.lineTo(x, y + 6);
+      context.stroke();
+    }
+  }
+
   // One pixel column may hold many groups: of each row the cell furthest from none stays.
-  paint(columns) {
+  paint(picture, mode, columns) {
     const { survey } = this;
     const { rows, start, end, levels, palette } = survey;
-    const colours = cellColours(survey, this.mode);
+    const shown = [mode, columns, ...this.window].join();
+    if (picture.dataset.shown === shown) return;
+    picture.dataset.shown = shown;
+    const colours = cellColours(survey, mode);
     const half = (levels - 1) / 2;
-    if (this.picture.width !== columns || this.picture.height !== rows) [this.picture.width, this.picture.height] = [columns, rows];
-    const context = this.picture.getContext("2d");
+    [picture.width, picture.height] = [columns, rows];
+    const context = picture.getContext("2d");
     const image = context.createImageData(columns, rows);
     const step = (this.window[1] - this.window[0]) / columns;
     let group = groupAt(survey, this.window[0]);

@@ -5,13 +5,12 @@ import zlib
 
 import numpy as np
 import pytest
+from tests.unit.outputs.finished import finished_survey
 
 from springline.outputs.results import Results
 from springline.outputs.unroll import unroll
 from springline.outputs.viewer import render_viewer
 from springline.outputs.viewer.payload import pack
-
-from .finished import finished_survey
 
 
 def unpacked(header, payload):
