@@ -15,6 +15,7 @@ from springline.errors import FormatError, InputError
 from springline.io.observations import TEXTS, inspections_of
 
 from ..unit.outputs.finished import finished_survey
+from .conftest import make_rings
 from .isybau_structure import faults
 
 HERE = Path(__file__).parent
@@ -204,3 +205,16 @@ def test_observations_are_stored_with_a_survey(tmp_path):
 def test_coded_files_alone_cannot_be_inspected(tmp_path):
     with pytest.raises(sl.errors.SpringlineError, match="no scan to inspect: the survey holds /observations"):
         sl.inspect(sl.read(sample("m150", tmp_path)))
+
+
+def test_a_survey_folder_brings_what_was_coded_beside_its_rings(tmp_path):
+    folder = tmp_path / "survey"
+    sl.write(make_rings(), folder)
+    shutil.copy(HERE / "samples" / "m150.xml", folder / "observations.xml")
+    survey = sl.read(folder)
+    assert survey.observations["code"].values.tolist() == ["BCD", "BCA", "BAB"]
+    assert survey.attrs["name"] != "R9"  # the folder says what the asset is called
+    assert survey.source().has("observations")
+    (folder / "observations.xml").write_text((folder / "rings.csv").read_text())
+    with pytest.raises(InputError, match="format 'csv'; expected en13508, isybau, m150, pacp"):
+        sl.read(folder)

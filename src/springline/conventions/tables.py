@@ -107,7 +107,7 @@ SURVEY_FOLDER_KEYS = {
     "operator": "who drove the inspection",
     "equipment": "what recorded it",
     "direction": "downstream or upstream",
-    "parts": "table of files: rings, inertial, ties, frames, calibration",
+    "parts": "table of files: rings, inertial, ties, frames, observations, calibration",
     "sensor": "table: kind, bearing_zero, bearing_sense, range_noise, and the sensor's geometry",
     "lens": "tables of lens models by name",
     "units": "table: unit of a column whose name has none",

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterable
     from pathlib import Path
 
-PARTS = ("rings", "rings_rear", "inertial", "ties", "frames", "calibration")
+PARTS = ("rings", "rings_rear", "inertial", "ties", "frames", "calibration", "observations")
 """Parts of a survey folder, each a file."""
 
 _TEXTS = ("name", "material", "crs", "operator", "equipment")

@@ -10,6 +10,7 @@ import numpy as np
 import tomli_w
 
 from ..conventions import SURVEY_FOLDER_KEYS, SURVEY_SENSOR_KEYS
+from ..survey.overrides import dump_overrides
 from .calibration_file import write_calibration
 from .ring_csv import write_ring_csv
 
@@ -27,8 +28,8 @@ _TIES = ("distance", "easting", "northing", "elevation", "sigma")
 
 
 def write_folder(survey: Survey, path: Path) -> None:
-    """Write `survey.toml`, a table for each of `/rings`, `/rings_rear`, `/inertial`, `/ties`, `/frames`, and the
-    calibration.
+    """Write `survey.toml`, a table for each of `/rings`, `/rings_rear`, `/inertial`, `/ties`, `/frames`, the
+    calibration, and the corrections made by people.
 
     Ranges and distances are written to 1e-6 m, bearings from +z counter-clockwise. Frame images stay where they are.
     """
@@ -59,6 +60,8 @@ def write_folder(survey: Survey, path: Path) -> None:
             rest = {name: value for name, value in calibration.attrs.items() if name != "lens"}
             write_calibration(calibration.drop_attrs().assign_attrs(rest), path / parts["calibration"])
     assumed = "".join(f"# assumed when this folder was written: {sentence}\n" for sentence in survey.assumptions)
+    if survey.overrides:
+        (path / "overrides.toml").write_text(dump_overrides(survey), encoding="utf-8")
     (path / "survey.toml").write_text(assumed + tomli_w.dumps(keys), encoding="utf-8")
 
 

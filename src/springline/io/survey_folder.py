@@ -30,14 +30,15 @@ _DEFAULTS = {
     "ties": ("ties.csv",),
     "frames": ("frames.csv",),
     "calibration": ("calibration.toml",),
+    "observations": ("observations.xml", "observations.txt", "Conditions.csv"),
 }
 _RING_FORMATS = ("csv", "parquet", "npy")
 _FLAGS = 'bearing_zero = "crown" and bearing_sense = "cw" in the table [sensor] of survey.toml'
 
 
 def read_folder(path: Path, options: ReadOptions) -> Survey:
-    """Read a survey folder into `/rings`, `/inertial`, `/ties`, `/frames`; calibration and lens models into
-    `/calibration`.
+    """Read a survey folder into `/rings`, `/inertial`, `/ties`, `/frames`, `/observations`; calibration and lens
+    models into `/calibration`.
 
     A part that `[parts]` does not name is looked for under its usual name, such as `ties.csv`. Units in a column's
     name win over `[units]`; the user's word wins over `[sensor]`.
@@ -63,6 +64,10 @@ def read_folder(path: Path, options: ReadOptions) -> Survey:
     if "frames" in groups:
         _check_lenses(groups["frames"], keys, files["frames"])
         groups["frames"].attrs["folder"] = str(path.resolve())
+    if "observations" in files:
+        coded = _read_observations(files["observations"], options)
+        groups["observations"] = coded.observations
+        assumptions += coded.assumptions
     if "calibration" in files:
         groups["calibration"] = read_calibration(files["calibration"])
     if keys.lens:
@@ -102,6 +107,17 @@ def _read_rings(file: Path, keys: FolderKeys, options: ReadOptions) -> Survey:
         raise InputError(f"it is a file of the format '{kind.key}'", where=file, expected="a ring table")
     nominal = options.nominal_diameter or keys.attrs.get("nominal_diameter")
     return kind.read_function()(file, replace(options, nominal_diameter=nominal), statements)
+
+
+def _read_observations(file: Path, options: ReadOptions) -> Survey:
+    kind = registry.guess(file)
+    if kind.holds != "observations":
+        raise InputError(
+            f"it is a file of the format '{kind.key}'",
+            where=file,
+            expected=", ".join(f.key for f in registry.FORMATS.values() if f.holds == "observations"),
+        )
+    return kind.read_function()(file, options.only(kind.options & {"name"}))
 
 
 def _check_lenses(frames: xr.Dataset, keys: FolderKeys, file: Path) -> None:

@@ -27,6 +27,8 @@ from datetime import date, datetime
 from math import isfinite
 from typing import TYPE_CHECKING, Any
 
+import tomli_w
+
 from ..errors import FormatError, InputError, nearest
 
 if TYPE_CHECKING:
@@ -91,6 +93,14 @@ def with_overrides(survey: Survey, path: Path) -> Survey:
         InputError: As `read_overrides`.
     """
     return survey.with_attrs(overrides=json.dumps(read_overrides(path), ensure_ascii=False))
+
+
+def dump_overrides(survey: Survey) -> str:
+    """Return the corrections of a survey as an `overrides.toml`."""
+    tables: dict[str, list[dict[str, Any]]] = {}
+    for record in changes(survey, *ACTIONS):
+        tables.setdefault(record["action"], []).append(record["change"] | {key: record[key] for key in _SIGNED})
+    return tomli_w.dumps(tables)
 
 
 def changes(survey: Survey, *actions: str) -> list[dict[str, Any]]:

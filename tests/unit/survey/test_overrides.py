@@ -6,7 +6,7 @@ import pytest
 
 from springline.errors import FormatError, InputError
 from springline.survey import Survey
-from springline.survey.overrides import ACTIONS, datum_shift, read_overrides, with_overrides
+from springline.survey.overrides import ACTIONS, datum_shift, dump_overrides, read_overrides, with_overrides
 
 SIGNED = 'author = "A. Surveyor"\ndate = 2026-05-04\nreason = "why"\n'
 
@@ -83,3 +83,14 @@ def test_every_action_has_its_sentence(tmp_path):
         body = "\n".join(f"{k} = {v}" for k, v in keys.items())
         (record,) = read_overrides(file(tmp_path, f"[[{action}]]\n{body}\n{SIGNED}"))
         assert "2 m" in record["what"], action
+
+
+def test_corrections_come_back_from_the_file_they_are_written_to(tmp_path):
+    text = (
+        f"[[mask]]\nfrom_m = 1\nto_m = 2\n{SIGNED}"
+        f'[[relabel]]\nkind = "joint"\nchainage_m = 3\nto = "Ж \\"x\\""\n{SIGNED}'
+        f"[[datum]]\nat_m = 1\nelevation_m = -2.5\n{SIGNED}"
+    )
+    first = with_overrides(Survey({}), file(tmp_path, text))
+    again = with_overrides(Survey({}), file(tmp_path, dump_overrides(first)))
+    assert again.attrs["overrides"] == first.attrs["overrides"]
