@@ -45,8 +45,8 @@ def inspect(
         progress: Called with a stage's name and the share of the chain done, from 0 to 1.
 
     Returns:
-        The survey with `/rings`, `/mask`, `/candidates`, `/pose`, `/section`, `/metrics` and `/features`, and with warnings and assumptions in
-        its attributes.
+        The survey with `/rings`, `/mask`, `/candidates`, `/pose`, `/section`, `/metrics` and `/features`, and with
+        warnings and assumptions in its attributes.
 
     Raises:
         ParameterError: A rule is unknown.
