@@ -74,6 +74,7 @@ ROOT_ATTRIBUTES = {
     "chunks": "all: every chunk was written, so that a missing one is damage",
     "rules": "JSON list of verdicts: rule, edition, verdict, where",
     "overrides": "JSON list of corrections made by people: action, what, author, date, reason, change, effect",
+    "overrides_pending": "the same, read beside a finished survey: applied when it is inspected again",
     "warnings": "JSON list of what the user must know",
     "assumptions": "JSON list of what was assumed while reading: units, bearing zero and sense, up direction",
 }

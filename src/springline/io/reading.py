@@ -136,6 +136,8 @@ def read_one(path: Path, options: ReadOptions, *, strict: bool = True) -> Survey
     if beside is None:
         return survey
     survey = with_overrides(survey, beside)
+    if survey.has("section"):
+        return survey
     count = len(survey.overrides)
     return add_assumption(survey, f"{count} correction{'s' * (count != 1)} made by hand stand in {beside.name}.")
 

@@ -28,7 +28,8 @@ _CENTRELINE = {"easting_m": "easting", "northing_m": "northing", "elevation_m": 
 def masks(survey: Survey, config: Config) -> Survey:
     """Return the survey with readings left out where people say so; the reason `by_hand` wins over every other.
 
-    A ring has no chainage yet, so a mask is placed by the ring's distance, datum taken off.
+    A ring has no chainage yet, so a mask is placed by the ring's distance, datum taken off unless it is given by
+    distance.
 
     Args:
         survey: With `/rings`, `/mask` and the attribute `overrides`.
@@ -41,7 +42,8 @@ def masks(survey: Survey, config: Config) -> Survey:
     reason = mask["reason"].values.copy()
     shift, effects = datum_shift(survey), []
     for record in wanted:
-        inside = _inside(record["change"], rings["distance"].values + shift, rings["bearing"].values)
+        moved = 0.0 if record["change"].get("along") == "distance" else shift
+        inside = _inside(record["change"], rings["distance"].values + moved, rings["bearing"].values)
         lost = inside & (reason == 0)
         reason[inside] = _BY_HAND
         effects.append(f"{lost.sum()} readings of {inside.any(axis=1).sum()} rings left out")
@@ -163,8 +165,9 @@ def _set_datum(survey: Survey) -> Survey:
 
 
 def _warn_of_masks(survey: Survey) -> Survey:
-    """Warn where masks, which were placed by distance, lie elsewhere by chainage."""
-    if not changes(survey, "mask") or not survey.has("section"):
+    """Warn where masks given by chainage, which were placed by distance, lie elsewhere."""
+    by_chainage = [one for one in changes(survey, "mask") if one["change"].get("along") != "distance"]
+    if not by_chainage or not survey.has("section"):
         return survey
     section = survey.section
     apart = np.abs(section["chainage"].values - datum_shift(survey) - section["distance"].values)
@@ -172,6 +175,6 @@ def _warn_of_masks(survey: Survey) -> Survey:
         return add_warning(
             survey,
             f"Masks made by hand were placed by the odometer's distance, which differs from the chainage by up to "
-            f"{most:.2f} m here.",
+            f'{most:.2f} m here; say along = "distance" to place them exactly.',
         )
     return survey

@@ -13,6 +13,9 @@ from ..errors import ContractError, MissingGroupError, nearest
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
+PENDING = "overrides_pending"
+"""Attribute of corrections that were read beside a finished survey and wait for the next inspection."""
+
 
 class Survey:
     """A pipe survey: source groups as read, result groups as added by the stages.
@@ -112,6 +115,8 @@ class Survey:
         if kept.get("rings", xr.Dataset()).attrs.get("distance_source") == "axis" and "points" in kept:
             del kept["rings"]
         attrs = {key: value for key, value in self._attrs.items() if key != "warnings"}
+        if PENDING in attrs:
+            attrs["overrides"] = attrs.pop(PENDING)
         return Survey(kept, attrs)
 
     @property

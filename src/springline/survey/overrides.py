@@ -15,8 +15,8 @@
     to = "lateral"
     ...
 
-Places are chainages, with the datum of the same file in them when there is one. The file says nothing that the report
-does not repeat.
+Places are chainages, with the datum of the same file in them when there is one; those of a mask with
+`along = "distance"` are what the odometer read. The file says nothing that the report does not repeat.
 """
 
 from __future__ import annotations
@@ -30,6 +30,7 @@ from typing import TYPE_CHECKING, Any
 import tomli_w
 
 from ..errors import FormatError, InputError, nearest
+from .model import PENDING
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -37,11 +38,12 @@ if TYPE_CHECKING:
     from .model import Survey
 
 _SIGNED = ("author", "date", "reason")
-_TEXTS = (*_SIGNED, "kind", "to", "image")
+_TEXTS = (*_SIGNED, "kind", "to", "image", "along")
+_ALONG = ("chainage", "distance")
 _CLOCKS = ("from_clock", "to_clock", "clock_h")
 
 ACTIONS: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
-    "mask": (("from_m", "to_m"), ("from_clock", "to_clock")),
+    "mask": (("from_m", "to_m"), ("from_clock", "to_clock", "along")),
     "relabel": (("kind", "chainage_m", "to"), ("clock_h", "within_m")),
     "remove": (("kind", "chainage_m"), ("clock_h", "within_m")),
     "add": (("kind", "chainage_m"), ("clock_h", "size_mm", "length_mm", "depth_mm", "image")),
@@ -89,10 +91,13 @@ def read_overrides(path: Path) -> list[dict[str, Any]]:
 def with_overrides(survey: Survey, path: Path) -> Survey:
     """Return the survey with the corrections of a file, for `inspect` to apply; earlier ones are replaced.
 
+    A finished survey keeps those that were applied to it; the file's stand ready for when it is inspected again.
+
     Raises:
         InputError: As `read_overrides`.
     """
-    return survey.with_attrs(overrides=json.dumps(read_overrides(path), ensure_ascii=False))
+    text = json.dumps(read_overrides(path), ensure_ascii=False)
+    return survey.with_attrs(**{PENDING if survey.has("section") else "overrides": text})
 
 
 def dump_overrides(survey: Survey) -> str:
@@ -174,6 +179,12 @@ def _check(action: str, change: dict[str, Any], where: str) -> None:
             raise InputError(
                 "an arc has one end only", where=where, expected="both from_clock and to_clock, or neither"
             )
+        if change.get("along", "chainage") not in _ALONG:
+            raise InputError(
+                f"'{change['along']}' is unknown{nearest(change['along'], _ALONG)}",
+                where=f"{where}, along",
+                expected=" or ".join(_ALONG),
+            )
     if action == "datum" and len(change) == 1 + len(_SIGNED):
         raise InputError("the datum sets nothing", where=where, expected=", ".join(ACTIONS["datum"][1]))
     if change.get("within_m", 1.0) <= 0:
@@ -187,7 +198,8 @@ def _sentence(action: str, change: dict[str, Any]) -> str:
     clock = f", {change['clock_h']:g} o'clock" if "clock_h" in change else ""
     if action == "mask":
         arc = f", {change['from_clock']:g} to {change['to_clock']:g} o'clock" if "from_clock" in change else ""
-        return f"leave out readings from {at('from_m')} to {at('to_m')}{arc}"
+        by = " by the odometer" if change.get("along") == "distance" else ""
+        return f"leave out readings from {at('from_m')} to {at('to_m')}{by}{arc}"
     if action == "datum":
         said = ", ".join(f"{key.removesuffix('_m')} {at(key)}" for key in ACTIONS["datum"][1] if key in change)
         return f"set the point at {at('at_m')} to {said}"

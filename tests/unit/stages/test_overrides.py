@@ -52,7 +52,8 @@ def survey(folder, text, *, features=True, layout=False):
         )
     path = folder / "overrides.toml"
     path.write_text(text, "utf-8")
-    return with_overrides(Survey(groups), path)
+    section = groups.pop("section")
+    return with_overrides(Survey(groups), path).with_group("section", section)
 
 
 def test_without_overrides_nothing_is_touched(tmp_path):
@@ -90,6 +91,17 @@ def test_the_datum_moves_masks_and_chainages_alike(tmp_path):
     assert after.section["distance"].values[0] == 0.0  # what the odometer read stays
     assert after.layout["bend_start"].values[0] == 102.0
     assert after.overrides[1]["effect"] == "chainages moved by +100.000 m" and after.warnings == []
+
+
+def test_a_mask_by_distance_knows_no_datum_and_a_mask_by_chainage_warns_where_they_differ(tmp_path):
+    datum = f"[[datum]]\nat_m = 0\nchainage_m = 100\n{SIGNED}"
+    for along, span, warned in (("distance", (1, 2), 0), ("chainage", (101, 102), 1)):
+        text = f'{datum}[[mask]]\nfrom_m = {span[0]}\nto_m = {span[1]}\nalong = "{along}"\n{SIGNED}'
+        before = survey(tmp_path, text)
+        stretched = before.section.assign(chainage=before.section["chainage"] * 1.02)
+        after = corrections(masks(before, Config()).corrected("section", stretched), Config())
+        assert np.flatnonzero((after.mask["reason"].values == BY_HAND).all(axis=1)).tolist() == [2, 3, 4]
+        assert len(after.warnings) == warned, along
 
 
 def test_the_datum_sets_an_elevation(tmp_path):

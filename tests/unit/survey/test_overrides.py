@@ -3,10 +3,18 @@
 import json
 
 import pytest
+import xarray as xr
 
 from springline.errors import FormatError, InputError
 from springline.survey import Survey
-from springline.survey.overrides import ACTIONS, datum_shift, dump_overrides, read_overrides, with_overrides
+from springline.survey.overrides import (
+    ACTIONS,
+    datum_shift,
+    dump_overrides,
+    read_overrides,
+    with_effects,
+    with_overrides,
+)
 
 SIGNED = 'author = "A. Surveyor"\ndate = 2026-05-04\nreason = "why"\n'
 
@@ -57,6 +65,7 @@ def test_an_empty_file_changes_nothing(tmp_path):
         (f"[[datum]]\nat_m = 1\n{SIGNED}", "the datum sets nothing"),
         (f"[[datum]]\nat_m = 1\nchainage_m = 0\n{SIGNED}" * 2, "two datums"),
         (f'[[remove]]\nkind = "x"\nchainage_m = 1\nwithin_m = 0\n{SIGNED}', "within_m is not positive"),
+        (f'[[mask]]\nfrom_m = 1\nto_m = 2\nalong = "distanc"\n{SIGNED}', "did you mean 'distance'"),
         ("[mask]\nfrom_m = 1\n", r"not a list of tables.*\[\[mask\]\]"),
         (f"[[mask]]\nfrom_m = 1\nto_m = 2\n{SIGNED.replace('2026-05-04', '4711')}", "4711 is not a date"),
     ],
@@ -75,7 +84,7 @@ def test_broken_toml_and_missing_file(tmp_path):
 
 
 def test_every_action_has_its_sentence(tmp_path):
-    values = {"kind": '"joint"', "to": '"lateral"', "image": '"a.png"'}
+    values = {"along": '"distance"', "kind": '"joint"', "to": '"lateral"', "image": '"a.png"'}
     for action, (must, may) in ACTIONS.items():
         keys = dict.fromkeys((*must, *may), "2") | {k: v for k, v in values.items() if k in (*must, *may)}
         if action == "mask":
@@ -94,3 +103,11 @@ def test_corrections_come_back_from_the_file_they_are_written_to(tmp_path):
     first = with_overrides(Survey({}), file(tmp_path, text))
     again = with_overrides(Survey({}), file(tmp_path, dump_overrides(first)))
     assert again.attrs["overrides"] == first.attrs["overrides"]
+
+
+def test_a_finished_survey_keeps_what_was_applied_until_it_is_inspected_again(tmp_path):
+    first = with_overrides(Survey({}), file(tmp_path, f"[[mask]]\nfrom_m = 1\nto_m = 2\n{SIGNED}"))
+    finished = with_effects(first, ["12 readings left out"], "mask").with_group("section", xr.Dataset())
+    waiting = with_overrides(finished, file(tmp_path, f"[[mask]]\nfrom_m = 5\nto_m = 6\n{SIGNED}"))
+    assert waiting.overrides == finished.overrides
+    assert "from 5 m to 6 m" in waiting.source().overrides[0]["what"]
