@@ -16,6 +16,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from .compare import compare
     from .data import builtin_survey
     from .io import read
     from .outputs.exchange import write
@@ -31,11 +32,12 @@ _HOMES = {
     "write": "outputs.exchange",
     "inspect": "pipeline",
     "simulate": "simulate",
+    "compare": "compare",
     "Survey": "survey",
     "builtin_survey": "data",
 }
 
-__all__ = ["Survey", "__version__", "builtin_survey", "inspect", "read", "simulate", "write"]
+__all__ = ["Survey", "__version__", "builtin_survey", "compare", "inspect", "read", "simulate", "write"]
 
 
 def __getattr__(name: str) -> Any:

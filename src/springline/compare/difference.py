@@ -24,6 +24,7 @@ _JOINT_LENGTH = 0.05  # m: what stands out all round over no more than this is a
 _JOINT_SIGMAS = 6.0
 _FAR, _FAR_SHARE = 5.0, 0.03  # scatters, and the share of a ring's readings so far off that a short event is a joint
 _NEAR_JOINT = 2  # rows beside a joint that are left out with it
+_LEAST_NOISE = 0.1  # of the readings' scatter: no cell is surer, however alike two maps are
 _PATTERN_LENGTH = 5.0  # m from which a pattern that all rings share can be told from a patch
 
 COMPARED, UNSEEN_A, UNSEEN_B, EDGE, UNPLACED = 0, 1, 2, 3, 4
@@ -114,7 +115,7 @@ def difference(a: Wall, b: Wall, placed: Registration) -> Difference:
         chainage=x, chainage_b=y, bearing=bearing,
         wall_a=np.where(seen_a, wall_a, np.nan).astype(np.float32),
         wall_b=np.where(seen_b, wall_b, np.nan).astype(np.float32),
-        change=change, sigma=_local_sigma(change, step), why=why, scale=scale, scale_sigma=scale_sigma,
+        change=change, sigma=np.maximum(_local_sigma(change, step), _least_sigma(a, b)), why=why, scale=scale, scale_sigma=scale_sigma,
         pattern=pattern, fine=placed.refined_at(x),
     )  # fmt: skip
 
@@ -206,9 +207,9 @@ def _without_shape(change: NDArray, bearing: NDArray, step: float) -> NDArray[np
     seen = np.isfinite(change)
     filled = np.where(seen, change, 0.0).astype(float)
     width = max(3, round(_SHAPE / step))
-    right = uniform_filter1d(filled @ waves, width, axis=0, mode="nearest")
+    right = uniform_filter1d(filled @ waves, width, axis=0, mode="constant")
     products = (waves[:, :, None] * waves[:, None, :]).reshape(len(bearing), -1)
-    left = uniform_filter1d(seen.astype(float) @ products, width, axis=0, mode="nearest").reshape(-1, 5, 5)
+    left = uniform_filter1d(seen.astype(float) @ products, width, axis=0, mode="constant").reshape(-1, 5, 5)
     left += 1e-3 * len(bearing) * np.eye(5)
     found = np.linalg.solve(left, right[:, :, None])[:, :, 0]
     return (change - found @ waves.T).astype(np.float32)

@@ -9,6 +9,7 @@ import numpy as np
 
 from ..errors import ContractError
 from ..geometry.measures import polar_radius
+from ..geometry.robot.attitude import frame
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -30,6 +31,7 @@ class Wall:
             where nothing was seen.
         count: (n, m) readings behind each cell, uint8.
         parameters: (n, 3) mean_radius, oval_cos, oval_sin of the fitted section [m]; NaN where there is none.
+        variance: (n, 2) of mean_radius, and the mean of those of oval_cos and oval_sin [m2]; of the fit alone.
         noise: One-sigma of one reading about its section [m], as its usual ring has it.
         roll_source: Where the bearings' vertical comes from: `pose`, `gravity`, or `sensor` when the sensor's own zero
             is taken for it.
@@ -40,6 +42,7 @@ class Wall:
     surface: NDArray[np.float32]
     count: NDArray[np.uint8]
     parameters: NDArray[np.float64]
+    variance: NDArray[np.float64]
     noise: float
     roll_source: str
     name: str
@@ -83,6 +86,7 @@ class Wall:
             surface=self.surface[::-1][:, turned],
             count=self.count[::-1][:, turned],
             parameters=self.parameters[::-1] * [1.0, 1.0, -1.0],
+            variance=self.variance[::-1],
         )
 
 
@@ -109,13 +113,15 @@ def wall_of(survey: Survey) -> Wall:
     at = _station_of_ring(survey, distance)
     parameters = section["parameters"].values.astype(float)[at]
     centre = np.column_stack([section[f"centre_{axis}"].values.astype(float)[at] for axis in "yz"])
-    roll, source = _roll(survey)
+    turn, roll, source = _attitude(survey)
     rows = max(2 * (min(rings.sizes["bearing"] // 2, _MOST_ROWS) // 2), 8)
-    surface, count = _binned(survey, parameters, centre, roll, rows)
+    surface, count = _binned(survey, parameters, centre, turn, rows, roll)
     noise = float(np.nanmedian(section["noise"].values)) if "noise" in section else np.nan
     chainage = section["chainage"].values.astype(float)
     along = chainage if len(chainage) == len(distance) else np.interp(distance, _distances(survey), chainage)
-    return Wall(along, surface, count, _turned(parameters, roll), noise, source, name)
+    covariance = section["covariance"].values.astype(float)[at]
+    variance = np.column_stack((covariance[:, 0, 0], 0.5 * (covariance[:, 1, 1] + covariance[:, 2, 2])))
+    return Wall(along, surface, count, _turned(parameters, roll), variance, noise, source, name)
 
 
 def _distances(survey: Survey) -> NDArray[np.float64]:
@@ -132,18 +138,26 @@ def _station_of_ring(survey: Survey, distance: NDArray[np.float64]) -> NDArray[n
     return np.clip(np.searchsorted(0.5 * (at[1:] + at[:-1]), distance), 0, stations - 1)
 
 
-def _roll(survey: Survey) -> tuple[NDArray[np.float64], str]:
-    """Return each ring's roll [rad], 0 where it is not known, and where it comes from."""
+def _attitude(survey: Survey) -> tuple[NDArray[np.float64], NDArray[np.float64], str]:
+    """Return what the rings' y and z are on the pipe's (n, 2, 2), a roll (n,) [rad] on top, and where they come from.
+
+    Where the attitude was estimated the sections stand in the pipe's frame already; a roll by gravity turns them too.
+    """
     count = survey.rings.sizes["ring"]
-    if survey.has("pose") and np.isfinite(survey.pose["roll"].values).any():
-        roll = survey.pose["roll"].values.astype(float)
-        known = np.isfinite(roll)
-        return np.interp(np.arange(count), np.flatnonzero(known), np.unwrap(roll[known])), "pose"
+    turn, roll = np.broadcast_to(np.eye(2), (count, 2, 2)), np.zeros(count)
+    if survey.rings.attrs.get("referred_to") == "axis":
+        return turn, roll, "sensor"
+    if survey.has("pose") and {"pitch", "yaw", "roll"} <= set(survey.pose.variables):
+        attitude = np.stack([survey.pose[name].values.astype(float) for name in ("pitch", "yaw", "roll")])
+        known = np.isfinite(attitude).all(axis=0)
+        if known.any():
+            frames = frame(*np.where(known, attitude, 0.0))
+            return np.swapaxes(frames[:, 1:, 1:], 1, 2), roll, "pose"
     if survey.has("inertial") and "time" in survey.rings:
-        roll = _gravity(survey)
-        if roll is not None:
-            return roll, "gravity"
-    return np.zeros(count), "sensor"
+        found = _gravity(survey)
+        if found is not None:
+            return turn, found, "gravity"
+    return turn, roll, "sensor"
 
 
 def _gravity(survey: Survey) -> NDArray[np.float64] | None:
@@ -171,7 +185,7 @@ def _turned(parameters: NDArray[np.float64], roll: NDArray[np.float64]) -> NDArr
 
 
 def _binned(
-    survey: Survey, parameters: NDArray, centre: NDArray, roll: NDArray, rows: int
+    survey: Survey, parameters: NDArray, centre: NDArray, turn: NDArray, rows: int, roll: NDArray
 ) -> tuple[NDArray[np.float32], NDArray[np.uint8]]:
     """Return (ring, rows) mean departure from the section and number of readings, block by block."""
     ranges = survey.rings["range"]
@@ -186,6 +200,8 @@ def _binned(
             r = np.where(reasons[part].values == 0, r, np.nan)
         y = r * np.sin(bearing) - centre[part, :1]
         z = r * np.cos(bearing) - centre[part, 1:]
+        t = turn[part, :, :, None]
+        y, z = t[:, 0, 0] * y + t[:, 0, 1] * z, t[:, 1, 0] * y + t[:, 1, 1] * z
         phi = np.arctan2(y, z)
         departure = np.hypot(y, z) - polar_radius(parameters[part, None, :], phi)
         seen = np.isfinite(departure)

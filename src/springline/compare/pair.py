@@ -1,0 +1,284 @@
+"""Two inspections of one pipe compared: placed on each other, then differenced; the model is in docs/compare.md."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+from scipy.stats import norm
+
+from ..errors import InputError
+from .changes import Change, look
+from .difference import COMPARED, WHY_NOT, Difference, difference
+from .epochs import Epoch
+from .match import match
+from .options import MatchOptions
+from .paired import Paired, alone, feature_changes, pair_features
+from .profiles import layout_profiles, mode_changes, section_profiles
+from .refine import refine
+from .registration import Registration
+from .scan import FALSE_ALARMS, Scan, detectable, scan
+from .verdicts import UNCLEAR, verdict
+
+if TYPE_CHECKING:
+    from ..survey import Survey
+    from .changes import Profile
+    from .result import Match
+
+DENT = (0.19, np.radians(35.0))
+"""Length [m] and width [rad] of the dent for which the detectable depth is stated."""
+
+_SURE = 0.01
+_YEAR = 365.25
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """Two inspections compared, or refused; true when compared.
+
+    Attributes:
+        a, b: The inspections.
+        reason: Why they could not be compared; empty when they could.
+        match: Of their features; None when one of them has none.
+        placed: Where A lies in B; None when refused.
+        paired: Features seen in both.
+        difference: Of the walls; None without rings in both.
+        scan: Patches of the wall.
+        profiles: Quantities along the pipe.
+        changes: Significant changes, and features found in one inspection alone, in the order of A.
+        detectable: Change that is told in 95 % of cases, by key of `verdicts.QUANTITIES`: of a profile over 1 m, of a
+            patch as depth of a dent of `DENT` at half depth, of a feature as such.
+        detectable_edge: The same for a dent of `DENT` from edge to edge [m].
+        years: Between the inspections; NaN when a date is missing.
+        rate: False alarms per 100 m at which each kind of change is told.
+        missing: Stretches of A that could not be compared [m], and why.
+        notes: What must be known to read the result.
+    """
+
+    a: Epoch
+    b: Epoch
+    reason: str
+    match: Match | None
+    placed: Registration | None
+    paired: Paired | None
+    difference: Difference | None
+    scan: Scan | None
+    profiles: tuple[Profile, ...]
+    changes: tuple[Change, ...]
+    detectable: dict[str, float]
+    detectable_edge: float
+    years: float
+    rate: float
+    missing: tuple[tuple[float, float, str], ...]
+    notes: tuple[str, ...]
+
+    def __bool__(self) -> bool:
+        return not self.reason
+
+
+def compare(
+    result_a: Survey,
+    result_b: Survey,
+    *,
+    options: MatchOptions | None = None,
+    false_alarms: float = FALSE_ALARMS,
+    works: bool = False,
+) -> Comparison:
+    """Return what changed between two inspections of one pipe, and what cannot be said.
+
+    Args:
+        result_a: The earlier inspection, as `springline.inspect` returns it.
+        result_b: The later one, driven from whichever end.
+        options: Priors of the match.
+        false_alarms: Per 100 m of unchanged pipe, for each of: patches of the wall, each profile, features.
+        works: The pipe was cleaned, repaired or lined in between, so that things may shrink.
+
+    Raises:
+        ContractError: A survey is not finished.
+        InputError: Neither features nor rings can be compared.
+
+    >>> import springline as sl
+    >>> result = sl.inspect(sl.read(sl.builtin_survey()))
+    >>> found = compare(result, result)
+    >>> bool(found), found.placed.reversed, len(found.changes)
+    (True, False, 0)
+    """
+    epochs = (Epoch(str(s.attrs.get("name") or w), s) for s, w in ((result_a, "A"), (result_b, "B")))
+    return compare_epochs(*epochs, options=options, false_alarms=false_alarms, works=works)
+
+
+def compare_epochs(
+    a: Epoch,
+    b: Epoch,
+    *,
+    options: MatchOptions | None = None,
+    false_alarms: float = FALSE_ALARMS,
+    works: bool = False,
+) -> Comparison:
+    """Return what changed between two inspections, each a survey or a list of features; as `compare`."""
+    options = options or MatchOptions()
+    found = _match(a, b, options)
+    rings = a.wall is not None and b.wall is not None
+    if found is None and not rings:
+        raise InputError(
+            "there is nothing to compare: no features in both, no rings in both",
+            where=f"{a.name} and {b.name}",
+            expected="two inspected surveys, or lists of at least two features each",
+        )
+    lists = (a.features, b.features) if found is not None else None
+    placed = refine(found, a.wall, b.wall, lists, options) if rings else _by_features(found, b)
+    years = (b.date - a.date).days / _YEAR if a.date and b.date else float("nan")
+    if placed is None:
+        return Comparison(
+            a, b, _refused(found), found, None, None, None, None, (), (), {}, np.nan, years, false_alarms, (), ()
+        )  # fmt: skip
+    paired = pair_features(a, b, found, placed)
+    changes, told = feature_changes(a, b, paired, placed, rate=false_alarms, works=works)
+    whole = Comparison(
+        a, b, "", found, placed, paired, None, None, (), (*changes, *alone(a, b, paired, placed)), told, np.nan, years,
+        false_alarms, (), (),
+    )  # fmt: skip
+    whole = _with_walls(whole, works) if rings else whole
+    notes = (*_notes(whole),)
+    order = sorted(whole.changes, key=lambda c: (np.nan_to_num(c.chainage, nan=-np.inf), c.quantity))
+    return replace(whole, changes=tuple(order), missing=_missing(whole), notes=notes)
+
+
+def _match(a: Epoch, b: Epoch, options: MatchOptions) -> Match | None:
+    enough = all(e.features is not None and (len(e.features) > 1 or e.listed is not None) for e in (a, b))
+    return match(a.features, b.features, options) if enough else None
+
+
+def _by_features(found: Match, b: Epoch) -> Registration | None:
+    """Return the registration of two lists."""
+    if not found.accepted:
+        return None
+    n = len(found.drift.chainage_a)
+    return Registration(
+        found.drift, np.zeros(n, bool), np.zeros(n), np.full(n, np.nan), "assumed", found.reversed, b.extent, np.nan,
+        0.0, found.flagged,
+    )  # fmt: skip
+
+
+def _refused(found: Match | None) -> str:
+    wall = "the wall's relief does not show that both inspections saw the same pipe"
+    if found is None:
+        return f"{wall}, and there are no features in both to match"
+    return found.reason
+
+
+def _with_walls(whole: Comparison, works: bool) -> Comparison:
+    """Return the comparison with what rings tell."""
+    a, b, placed, rate = whole.a, whole.b, whole.placed, whole.rate
+    found = difference(a.wall, b.wall, placed)
+    scanned = scan(found, rate)
+    thickness = float(np.nanmin([a.wall_thickness, b.wall_thickness, np.inf]))
+    changes = list(whole.changes)
+    for p in scanned.patches:
+        said, reason = verdict("patch", p.change, works=works, wall_thickness=thickness)
+        near = float(np.interp(p.chainage, found.chainage, np.arange(len(found.chainage))))
+        before = float(found.wall_a[round(near), int(np.argmin(np.abs(found.bearing - p.bearing)))])
+        changes.append(
+            Change(
+                "patch", p.chainage, p.length, p.bearing, p.width, before, before + p.change, p.change, p.sigma,
+                p.false_alarms, said, reason,
+            )
+        )  # fmt: skip
+    profiles = (*section_profiles(a, b, placed, found), *layout_profiles(a, b, placed, found))
+    told = dict(whole.detectable)
+    for profile in profiles:
+        looked = look(profile, found.step, rate)
+        told[profile.quantity] = looked.detectable
+        changes += [_of_profile(profile, run, found, works) for run in looked.runs]
+    changes += mode_changes(a, b, placed, found)
+    changes += _of_scale(a, b, found)
+    depth = detectable(found, scanned, *DENT, at_half_depth=True)
+    told["patch"] = float(np.nanmedian(depth)) if np.isfinite(depth).any() else np.nan
+    edge = detectable(found, scanned, *DENT)
+    edge = float(np.nanmedian(edge)) if np.isfinite(edge).any() else np.nan
+    return replace(
+        whole, difference=found, scan=scanned, profiles=profiles, changes=tuple(changes), detectable=told,
+        detectable_edge=edge,
+    )  # fmt: skip
+
+
+def _of_profile(profile: Profile, run: object, found: Difference, works: bool) -> Change:
+    said, reason = verdict(profile.quantity, run.change, works=works)
+    half = max(1, round(0.5 * run.length / found.step))
+    before = float(np.nanmean(profile.value_a[max(run.index - half, 0) : run.index + half + 1]))
+    nan = float("nan")
+    return Change(
+        profile.quantity, float(found.chainage[run.index]), run.length, nan, nan, before, before + run.change,
+        run.change, run.sigma, run.false_alarms, said, reason,
+    )  # fmt: skip
+
+
+def _of_scale(a: Epoch, b: Epoch, found: Difference) -> list[Change]:
+    """Return the change of all diameters alike, where it is more than both sensors' scales can differ."""
+    sigma = float(np.hypot(np.hypot(a.range_scale_sigma, b.range_scale_sigma), found.scale_sigma))
+    if not np.isfinite(sigma) or abs(found.scale) < float(norm.isf(_SURE / 2.0)) * sigma:
+        return []
+    nan = float("nan")
+    why = "more than the stated scales of both sensors explain: the pipe, or a calibration that is worse than stated"
+    return [Change("scale", nan, nan, nan, nan, nan, nan, found.scale, sigma, nan, UNCLEAR, why)]
+
+
+def _missing(whole: Comparison) -> tuple[tuple[float, float, str], ...]:
+    """Return the stretches of A that cannot be compared, and why."""
+    spans = [(s.start, s.end, s.reason) for s in whole.placed.flagged]
+    first, last = whole.a.extent
+    nodes = whole.placed.drift.chainage_a
+    for start, end in ((first, nodes[0]), (nodes[-1], last)):
+        if end > start + 1e-6:
+            spans.append((float(start), float(end), "not inspected by both"))
+    if whole.difference is not None:
+        d = whole.difference
+        for code, words in WHY_NOT.items():
+            if code == COMPARED or words.startswith("place"):
+                continue
+            rows = (d.why == code).mean(axis=1) > 0.5
+            edges = np.flatnonzero(np.diff(np.concatenate(([False], rows, [False]))))
+            spans += [
+                (float(d.chainage[i]), float(d.chainage[j - 1] + d.step), words)
+                for i, j in zip(edges[::2], edges[1::2], strict=True)
+            ]
+    clipped = ((max(s, first), min(e, last), why) for s, e, why in spans)
+    return tuple(sorted(s for s in clipped if s[1] > s[0]))
+
+
+def _notes(whole: Comparison) -> list[str]:
+    """Return what must be known to read the result, in plain sentences."""
+    notes, placed = [], whole.placed
+    if whole.match is not None and not whole.match.accepted:
+        notes.append(f"The features alone do not place B on A ({whole.match.reason}); the wall's relief does.")
+    if whole.difference is None:
+        return notes
+    if not placed.refined.any():
+        notes.append(
+            "The wall is too smooth for its relief to place rings on rings: chainage stands on matched features alone."
+        )
+    if placed.roll_source == "assumed":
+        notes.append(
+            "How the second sensor was rolled against the first is not known and taken as zero: places round the pipe "
+            "and horizontal and vertical diameters are comparable only as far as both sensors rode upright."
+        )
+    found = whole.difference
+    stated = np.hypot(whole.a.range_scale_sigma, whole.b.range_scale_sigma)
+    notes.append(
+        f"Ranges of B are {abs(found.scale) * 1e2:.3f} % {'longer' if found.scale >= 0 else 'shorter'} than those of A "
+        f"throughout. That was taken out as a difference of calibration (the sensors' scales are known to "
+        f"{stated * 1e2:.2g} %): a change of all diameters alike cannot be told from it."
+    )
+    most = float(np.abs(found.pattern).max())
+    if most > 0:
+        notes.append(
+            f"A pattern that all rings share (up to {most * 1e3:.2f} mm) was taken out: wear alike along the whole "
+            "pipe cannot be told from a sensor's error at that bearing."
+        )
+    if max(whole.a.tilt_sigma, whole.b.tilt_sigma) > 0:
+        notes.append(
+            "The tilt of a sensor was not estimated; 2 degrees of it, one-sigma, stand in the uncertainty of diameters "
+            "and ovality."
+        )
+    return notes
