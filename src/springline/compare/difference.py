@@ -25,6 +25,7 @@ _JOINT_SIGMAS = 6.0
 _FAR, _FAR_SHARE = 5.0, 0.03  # scatters, and the share of a ring's readings so far off that a short event is a joint
 _NEAR_JOINT = 2  # rows beside a joint that are left out with it
 _LEAST_NOISE = 0.1  # of the readings' scatter: no cell is surer, however alike two maps are
+_LEAST_NOISE = 0.1  # of the readings' scatter: no cell is surer, however alike two maps are
 _PATTERN_LENGTH = 5.0  # m from which a pattern that all rings share can be told from a patch
 
 COMPARED, UNSEEN_A, UNSEEN_B, EDGE, UNPLACED = 0, 1, 2, 3, 4
@@ -111,11 +112,12 @@ def difference(a: Wall, b: Wall, placed: Registration) -> Difference:
     change = _without_shape(change, bearing, step)
     pattern = _pattern(change, float(x[-1] - x[0]))
     change -= pattern.astype(np.float32)
+    sigma = np.maximum(_local_sigma(change, step), np.float32(_LEAST_NOISE * np.hypot(a.noise, b.noise)))
     return Difference(
         chainage=x, chainage_b=y, bearing=bearing,
         wall_a=np.where(seen_a, wall_a, np.nan).astype(np.float32),
         wall_b=np.where(seen_b, wall_b, np.nan).astype(np.float32),
-        change=change, sigma=np.maximum(_local_sigma(change, step), _least_sigma(a, b)), why=why, scale=scale, scale_sigma=scale_sigma,
+        change=change, sigma=sigma, why=why, scale=scale, scale_sigma=scale_sigma,
         pattern=pattern, fine=placed.refined_at(x),
     )  # fmt: skip
 
