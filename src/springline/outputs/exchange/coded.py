@@ -68,8 +68,8 @@ def _found(survey: Survey, system: str) -> Inspection:
     }
     start, end = results.chainage[0], results.chainage[-1]
     first, last = ("BCD", "BCE") if system == "en" else ("AMH", "AMH")
-    observed = [Observed(float(start), texts={"code": first}), *_features(survey, system)]
-    observed.append(Observed(float(end), texts={"code": last}))
+    observed = [Observed(round(float(start), 3), texts={"code": first}), *_features(survey, system)]
+    observed.append(Observed(round(float(end), 3), texts={"code": last}))
     return Inspection({word: value for word, value in common.items() if value}, {}, observed)
 
 
@@ -95,7 +95,7 @@ def _features(survey: Survey, system: str) -> list[Observed]:
         numbers = {name: float(values[k]) for name, values in sizes.items()}
         texts = {"kind": kinds[k], "photo": images[k], "remarks": _remark(kinds[k], numbers)}
         texts |= _coded(kinds[k], numbers, reference, system)
-        found.append(Observed(float(column("chainage")[k]), float(clock[k]), texts=texts))
+        found.append(Observed(round(float(column("chainage")[k]), 3), float(clock[k]), texts=texts))
     return found
 
 

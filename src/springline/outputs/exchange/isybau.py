@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import json
 import xml.etree.ElementTree as ET
+from datetime import date
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -89,8 +90,7 @@ def _leaf(parent: ET.Element, name: str, value: str, longest: int | None = None)
 
 
 def _document(found: list[Inspection], edition: str) -> ET.Element:
-    dates = sorted(one.common["date"] for one in found if one.common.get("date"))
-    date = dates[-1] if dates else "1970-01-01"
+    today = date.today().isoformat()
     name = found[0].common.get("name") or "pipe"
     root = ET.Element("Identifikation", {"xmlns": NAMESPACE})
     _leaf(root, "Version", edition)
@@ -99,7 +99,7 @@ def _document(found: list[Inspection], edition: str) -> ET.Element:
     _leaf(estate, "Liegenschaftsbezeichnung", name, 40)
     data = ET.SubElement(root, "Datenkollektive")
     _leaf(data, "Datenstatus", "1")
-    _leaf(data, "Erstellungsdatum", date)
+    _leaf(data, "Erstellungsdatum", today)
     collective = ET.SubElement(ET.SubElement(data, "Kennungen"), "Kollektiv")
     _leaf(collective, "Kennung", _COLLECTIVE)
     _leaf(collective, "Kollektivart", "2")
@@ -107,7 +107,7 @@ def _document(found: list[Inspection], edition: str) -> ET.Element:
     for part, there in (("Inspektion", "1"), ("Dichtheit", "0"), ("Film", "0")):
         _leaf(holds, part, there)
     _leaf(collective, "Regelwerk", _EDITIONS[edition]["rules"])
-    _leaf(collective, "Bearbeitungsstand", date)
+    _leaf(collective, "Bearbeitungsstand", today)
     states = ET.SubElement(data, "Zustandsdatenkollektiv")
     _leaf(states, "Kennung", _COLLECTIVE)
     _leaf(states, "Beschreibung", name, 100)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import xml.etree.ElementTree as ET
+from datetime import datetime
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -29,11 +30,12 @@ def write_landxml(survey: Survey, path: Path) -> None:
     line = required_centreline(survey, "an alignment")
     name = clean(str(survey.attrs.get("name") or "pipe"))
     length = float(line.chainage[-1] - line.chainage[0])
+    now = datetime.now()
     root = ET.Element("LandXML", {
         "xmlns": "http://www.landxml.org/schema/LandXML-1.2",
         "version": "1.2",
-        "date": str(survey.attrs.get("date") or "1970-01-01")[:10],
-        "time": "00:00:00",
+        "date": now.date().isoformat(),
+        "time": now.time().isoformat("seconds"),
     })  # fmt: skip
     units = ET.SubElement(root, "Units")
     ET.SubElement(units, "Metric", {

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ...errors import InputError
 from ..colours import nice_limit
 from ..mesh import joined, surface, write_glb
 from ..results import Results
@@ -21,8 +22,15 @@ _VERTICES = 600_000
 
 
 def wall_of(survey: Survey, vertices: int = _VERTICES) -> Unrolled:
-    """Return the wall of a finished survey with at most about so many cells."""
-    return joined(unroll(Results(survey)), vertices)
+    """Return the wall of a finished survey with at most about so many cells.
+
+    Raises:
+        InputError: No wall was seen.
+    """
+    wall = joined(unroll(Results(survey)), vertices)
+    if not np.isfinite(wall.shape).any():
+        raise InputError("no wall was seen, so that there is no mesh", where=str(survey.attrs.get("name", "survey")))
+    return wall
 
 
 def write_gltf(survey: Survey, path: Path) -> None:
