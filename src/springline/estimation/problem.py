@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -74,28 +75,25 @@ class Problem:
         """Return the track at odometer readings."""
         return self.track.at(distance, clock) if self.track is not None else level_marks(distance)
 
-    def places(
-        self,
-        distance: np.ndarray,
-        clock: float,
-        at_knots: Marks | None = None,
-        within: tuple[np.ndarray, np.ndarray] | None = None,
-    ) -> Places:
-        """Return places between the knots; `within` tells interval and share where they are known."""
-        at_knots = self.marks(self.knots, clock) if at_knots is None else at_knots
-        here = self.marks(distance, clock)
+    def places(self, distance: np.ndarray, clock: float, within: tuple[np.ndarray, np.ndarray] | None = None) -> Places:
+        """Return places between the knots, in order; `within` tells interval and share where they are known."""
         interval, share = place(distance, self.knots) if within is None else within
-        before, after = interval, interval + 1
+        first = int(interval.min())
+        around = self.knots[first : int(interval.max()) + 2]
+        # One call, so that places and knots are told from the same place.
+        marks = self.marks(np.concatenate([around, distance]), clock)
+        before, after = interval - first, interval - first + 1
+        here = slice(len(around), None)
         return Places(
             interval=interval,
             share=share,
             step=self.step,
-            reach=here.reach - at_knots.reach[before],
-            reach_by_clock=here.reach_by_clock - at_knots.reach_by_clock[before],
-            span=at_knots.reach[after] - at_knots.reach[before],
-            span_by_clock=at_knots.reach_by_clock[after] - at_knots.reach_by_clock[before],
-            axes=here.axes,
-            axes_by_clock=here.axes_by_clock,
+            reach=marks.reach[here] - marks.reach[before],
+            reach_by_clock=marks.reach_by_clock[here] - marks.reach_by_clock[before],
+            span=marks.reach[after] - marks.reach[before],
+            span_by_clock=marks.reach_by_clock[after] - marks.reach_by_clock[before],
+            axes=marks.axes[here],
+            axes_by_clock=marks.axes_by_clock[here],
             clock=clock,
             lever=self.rings.lever,
         )
@@ -103,40 +101,43 @@ class Problem:
     def factors(self, clock: float, bent: np.ndarray) -> dict[str, Factor]:
         """Return all factors with the inertial clock near `clock`; `bent` as in `rings` (n, 5)."""
         own, intervals = self.options, len(self.knots) - 1
-        at_knots = self.marks(self.knots, clock)
         seen = self.rings.seen
-        places = self.places(self.rings.distance, clock, at_knots).rows(seen)
+        distance = self.rings.distance[seen]
         out = [
-            RingFactor(places, self.rings.parameters[seen], self.rings.covariance[seen], bent[seen]),
+            RingFactor(
+                lambda rows: self.places(distance[rows], clock),
+                self.rings.parameters[seen],
+                self.rings.covariance[seen],
+                bent[seen],
+            ),
             section(intervals, self.step, own.trend, own.wander, own.tails),
             axis(intervals, self.step, own.kink, own.kink_tails, straight=self.track is None),
         ]
         if self.rings.odometer:
             # By number: rounding must not put a knot into the interval before it.
             every = (np.arange(intervals), np.zeros(intervals))
-            starts = self.places(self.knots[:-1], clock, at_knots, every)
+            starts = self.places(self.knots[:-1], clock, every)
             root = np.sqrt(self.step)
             out.append(odometry(starts, own.along * root, own.across * root, own.tails, own.across_tails))
             # Creep and wander of an attitude that nothing else tells cannot both be taken from the data.
             out[-1].tuned = (False, self.track is not None)
-        # The inertial log's own factors do not ask what the rings' clock shows.
-        out += self._inertial(self.marks(self.knots, 0.0)) if self.track is not None else self._blind(intervals)
+        out += self._inertial if self.track is not None else self._blind(intervals)
         value = np.zeros(SCALARS)
         value[ORIGIN] = self.origin
         out += [*self._gauge(), scalars(value, self._priors())]
         return {factor.name: factor for factor in out}
 
-    def _inertial(self, marks: Marks) -> list[Factor]:
+    @cached_property
+    def _inertial(self) -> list[Factor]:
+        """The inertial log's own factors, which do not ask what the rings' clock shows."""
         own = self.options
-        seconds = np.maximum(np.diff(marks.time), 1e-6)
-        spread = np.diff(marks.spread, axis=0)
-        walk = np.sqrt(own.gyro_noise**2 * spread[:, 0] + spread[:, 1] + (1e-7) ** 2)
-        change = np.diff(marks.velocity, axis=0) / seconds[:, None]
-        force = np.diff(marks.force, axis=0) / seconds[:, None] - change
-        mean = np.diff(marks.still, axis=0) / seconds[:, None, None]
+        felt = self.track.between(self.knots)
+        walk = np.sqrt(own.gyro_noise**2 * felt.spread[:, 0] + felt.spread[:, 1] + (1e-7) ** 2)
+        force = (felt.force - felt.change) / felt.seconds[:, None]
+        mean = felt.still / felt.seconds[:, None, None]
         return [
-            gyro(np.diff(marks.moving, axis=0), walk),
-            gravity(force, mean, seconds, own.accel_noise / np.sqrt(seconds), own.tails),
+            gyro(felt.moving, walk),
+            gravity(force, mean, felt.seconds, own.accel_noise / np.sqrt(felt.seconds), own.tails),
         ]
 
     def _blind(self, intervals: int) -> list[Factor]:
@@ -202,5 +203,4 @@ def level_marks(distance: np.ndarray) -> Marks:
     axes = np.broadcast_to(np.array([[0.0, 0.0, 1.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]), (count, 3, 3))
     reach = np.zeros((count, 3, REACH))
     reach[:, :, :3], reach[:, :, 3:6] = axes * distance[:, None, None], axes
-    none = np.zeros((count, 3, 3))
-    return Marks(axes, reach, none, np.zeros_like(reach), distance, none[:, 0], none, none, none[:, 0, :2], none[:, 0])
+    return Marks(axes, reach, np.zeros((count, 3, 3)), np.zeros_like(reach))

@@ -8,9 +8,8 @@ import numpy as np
 from numba import njit
 
 from .bends import Bend
-from .factors.base import DERIVATIVE_STEPS, WIDTH
+from .factors.base import WIDTH
 from .factors.rings import WINDOW
-from .factors.sensor import OUT, evaluate
 from .iterate import Solution
 from .problem import Problem
 from .states import ACCEL, AXLES, CLOCK, GYRO, LEVER, LEVER_UP, SCALE, SLIP_RIGHT, SLIP_UP
@@ -104,60 +103,43 @@ class JointEstimate:
 
 def at_rings(problem: Problem, solution: Solution) -> dict[str, np.ndarray]:
     """Return values and covariances at every ring, before what is not observable is taken out."""
-    state, found = solution.state, solution.covariance
-    shown = bend_terms(problem, state)
-    places = problem.places(problem.rings.distance, float(state.scalars[CLOCK]))
-    value, spread = np.empty((len(places.share), OUT)), np.empty((len(places.share), OUT, OUT))
-    for first in range(0, len(value), WINDOW):
-        rows = slice(first, first + WINDOW)
-        at = places.rows(rows)
-        value[rows], slopes = evaluate(
-            1,
-            at.interval,
-            state.knots,
-            state.scalars,
-            at.share,
-            at.step,
-            at.tracks(),
-            at.clock,
-            np.asarray(at.lever, float),
-            np.arange(WIDTH),
-            DERIVATIVE_STEPS,
-        )
-        spread[rows] = _sandwich(at.interval, slopes, found.diagonal, found.beside, found.border, found.corner)
-        shown[rows] += evaluate(
-            0,
-            at.interval,
-            state.knots,
-            state.scalars,
-            at.share,
-            at.step,
-            at.tracks(),
-            at.clock,
-            np.asarray(at.lever, float),
-            np.arange(0),
-            DERIVATIVE_STEPS,
-        )[0]
-    share = np.clip(places.share, 0.0, 1.0)
-    before, after = places.interval, places.interval + 1
+    state, found, count = solution.state, solution.covariance, len(problem.rings.distance)
     way = np.linalg.norm(np.diff(state.axis, axis=0), axis=1)
-    chainage = np.concatenate([[0.0], np.cumsum(way)])
-    length = np.linalg.norm(value[:, 8:11], axis=1)
-    ahead = np.sign(np.einsum("ni,ni->n", value[:, 8:11], state.knots[before, :3]))
-    points = found.axis[before] * (1.0 - share[:, None, None]) + found.axis[after] * share[:, None, None]
-    return {
-        "rings": shown,
-        "chainage_sigma": np.sqrt(points[:, 3, 3]),
-        "chainage": chainage[before] + ahead * length - ahead[0] * length[0],
-        "pose": value[:, :5],
-        "pose_covariance": spread[:, :5, :5],
-        "section": value[:, 5:8],
-        "section_covariance": spread[:, 5:8, 5:8],
-        "axis": state.axis[before] + value[:, 8:11],
-        "axis_covariance": points[:, :3, :3],
-        "direction": value[:, 11:],
-        "direction_sigma": np.sqrt(np.einsum("nii->ni", spread[:, 11:, 11:])),
+    chainage, axis = np.concatenate([[0.0], np.cumsum(way)]), state.axis
+    out = {
+        name: np.empty((count, *shape))
+        for name, shape in (
+            ("chainage", ()),
+            ("chainage_sigma", ()),
+            ("pose", (5,)),
+            ("pose_covariance", (5, 5)),
+            ("section", (3,)),
+            ("section_covariance", (3, 3)),
+            ("axis", (3,)),
+            ("axis_covariance", (3, 3)),
+            ("direction", (2,)),
+            ("direction_sigma", (2,)),
+        )
     }
+    out["rings"] = bend_terms(problem, state)
+    for first in range(0, count, WINDOW):
+        rows = slice(first, first + WINDOW)
+        at = problem.places(problem.rings.distance[rows], float(state.scalars[CLOCK]))
+        value, slopes = at.evaluate(1, state, np.arange(WIDTH))
+        spread = _sandwich(at.interval, slopes, found.diagonal, found.beside, found.border, found.corner)
+        share, before = np.clip(at.share, 0.0, 1.0)[:, None, None], at.interval
+        points = found.axis[before] * (1.0 - share) + found.axis[before + 1] * share
+        ahead = np.sign(np.einsum("ni,ni->n", value[:, 8:11], state.knots[before, :3]))
+        out["rings"][rows] += at.evaluate(0, state, np.arange(0))[0]
+        out["chainage"][rows] = chainage[before] + ahead * np.linalg.norm(value[:, 8:11], axis=1)
+        out["chainage_sigma"][rows] = np.sqrt(points[:, 3, 3])
+        out["pose"][rows], out["pose_covariance"][rows] = value[:, :5], spread[:, :5, :5]
+        out["section"][rows], out["section_covariance"][rows] = value[:, 5:8], spread[:, 5:8, 5:8]
+        out["axis"][rows], out["axis_covariance"][rows] = axis[before] + value[:, 8:11], points[:, :3, :3]
+        out["direction"][rows] = value[:, 11:]
+        out["direction_sigma"][rows] = np.sqrt(np.einsum("nii->ni", spread[:, 11:, 11:]))
+    out["chainage"] -= out["chainage"][0]
+    return out
 
 
 @njit(cache=True)

@@ -9,9 +9,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numba import njit
 
 from ..errors import InputError
+from .elimination import add_products, eliminate, selected, ways
 from .states import AXIS, ORIGIN
 
 
@@ -121,14 +121,17 @@ class Threads:
         return (ways + scalars[ORIGIN]).reshape(-1, knots.shape[2])
 
 
-def solve(normal: Normal, threads: Threads | None = None, along: np.ndarray | None = None) -> Factored:
-    """Return the solution of the normal equations and the covariance blocks.
+def solve(
+    normal: Normal, threads: Threads | None = None, along: np.ndarray | None = None, *, covariance: bool = True
+) -> Factored:
+    """Return the solution of the normal equations and the covariance blocks; the equations are used up.
 
     Args:
         normal: The equations; their matrix must be positive definite. Blocks and corner are laid out as in `states`.
         threads: Known points of the axis, which no block alone can hold.
         along: Unit vector of the way from each knot to the next (knot - 1, 3), for the covariance of the length; the
             first coordinate's unless given.
+        covariance: Whether covariances of the knots are wanted; without, they are empty arrays.
 
     Raises:
         InputError: The matrix is not positive definite: some state has no information at all.
@@ -136,49 +139,40 @@ def solve(normal: Normal, threads: Threads | None = None, along: np.ndarray | No
     # Every state is measured in its own one-sigma, so that metres and radians/second meet as equals.
     scale = 1.0 / np.sqrt(np.maximum(np.einsum("kii->ki", normal.diagonal), 1e-300))
     edge = 1.0 / np.sqrt(np.maximum(np.diag(normal.corner), 1e-300))
-    diagonal = normal.diagonal * scale[:, :, None] * scale[:, None, :]
-    beside = normal.beside * scale[:-1, :, None] * scale[1:, None, :]
+    normal.diagonal *= scale[:, :, None]
+    normal.diagonal *= scale[:, None, :]
+    normal.beside *= scale[:-1, :, None]
+    normal.beside *= scale[1:, None, :]
     count = len(normal.corner)
     pulls = np.empty((*scale.shape, 0)) if threads is None else threads.columns(len(scale), scale.shape[1])
-    right = np.concatenate([normal.border * edge, normal.right[..., None], pulls], axis=2) * scale[:, :, None]
-    inverse, step, solved, good = _eliminate(diagonal, beside, right)
+    solved = np.concatenate([normal.border * edge, normal.right[..., None], pulls], axis=2)
+    solved *= scale[:, :, None]
+    tied, good = eliminate(normal.diagonal, normal.beside, solved, count)
     if not good:
         raise InputError(
             "the survey's equations are singular: a state has no information",
             expected="finite measurements and priors",
         )
-    border, follow = right[..., :count], solved[..., :count]
-    tied = np.einsum("kbg,kbh->gh", border, solved)
     schur = normal.corner * edge[:, None] * edge - tied[:, :count]
-    corner = np.linalg.inv(0.5 * (schur + schur.T))
-    ends = np.concatenate([(normal.right_corner * edge)[:, None], np.zeros((count, pulls.shape[2]))], axis=1)
+    corner = np.linalg.inv(0.5 * (schur + schur.T)) * edge[:, None] * edge
+    ends = np.concatenate([normal.right_corner[:, None], np.zeros((count, pulls.shape[2]))], axis=1)
     if threads is not None:
-        ends[ORIGIN, 1:] = threads.at_origin() * edge[ORIGIN, None]
+        ends[ORIGIN, 1:] = threads.at_origin()
     # Columns: the solution without threads, then what each thread's pull would do.
-    moved_scalars = corner @ (ends - tied[:, count:])
+    moved_scalars = corner @ (ends - tied[:, count:] / edge[:, None])
+    solved *= scale[:, :, None]
+    follow = solved[..., :count]
+    follow /= edge
     moved = solved[..., count:] - follow @ moved_scalars
-    cross = -follow @ corner
-    blocks, beside_blocks = _selected(inverse, step)
     reach = _reach(len(scale), along)
-    ways = _ways(
-        blocks * scale[:, :, None] * scale[:, None, :], beside_blocks * scale[:-1, :, None] * scale[1:, None], reach
-    )
-    blocks -= cross @ np.swapaxes(follow, 1, 2)
-    beside_blocks -= cross[:-1] @ np.swapaxes(follow[1:], 1, 2)
-    blocks *= scale[:, :, None] * scale[:, None, :]
-    beside_blocks *= scale[:-1, :, None] * scale[1:, None, :]
-    moved, moved_scalars = moved * scale[..., None], moved_scalars * edge[:, None]
-    corner = corner * edge[:, None] * edge
-    lean = _START @ np.eye(count)[ORIGIN] - _running(reach @ (follow[:, AXIS] * scale[:, AXIS, None] / edge))
-    plain = Factored(
-        moved[..., 0],
-        moved_scalars[:, 0],
-        blocks,
-        beside_blocks,
-        cross * scale[:, :, None] * edge,
-        corner,
-        ways + lean @ corner @ np.swapaxes(lean, 1, 2),
-    )
+    empty = np.empty((0, *normal.diagonal.shape[1:]))
+    plain = Factored(moved[..., 0], moved_scalars[:, 0], empty, empty, empty, corner, np.empty((0, 4, 4)))
+    if covariance:
+        selected(normal.diagonal, normal.beside, scale)
+        lean = _START @ np.eye(count)[ORIGIN] - _running(reach @ follow[:, AXIS])
+        plain.axis = ways(normal.diagonal, normal.beside, reach) + lean @ corner @ np.swapaxes(lean, 1, 2)
+        plain.diagonal, plain.beside, plain.border = normal.diagonal, normal.beside, -follow @ corner
+        add_products(plain.diagonal, plain.beside, -plain.border, follow)
     return plain if threads is None else _pulled(plain, threads, reach, moved[..., 1:], moved_scalars[:, 1:])
 
 
@@ -191,17 +185,16 @@ def _pulled(
     gain = np.linalg.inv(0.5 * (spread + spread.T) + np.diag(noise))
     left = threads.residual.ravel() - threads.along(plain.knots[..., None], plain.scalars[:, None])[:, 0]
     pull = gain @ left
-    points = _START @ moved_scalars[ORIGIN] + _running(reach @ moved[:, AXIS])
-    drawn, drawn_scalars = moved @ gain, moved_scalars @ gain
-    return Factored(
-        plain.knots + moved @ pull,
-        plain.scalars + moved_scalars @ pull,
-        plain.diagonal - drawn @ np.swapaxes(moved, 1, 2),
-        plain.beside - drawn[:-1] @ np.swapaxes(moved[1:], 1, 2),
-        plain.border - drawn @ moved_scalars.T,
-        plain.corner - drawn_scalars @ moved_scalars.T,
-        plain.axis - points @ gain @ np.swapaxes(points, 1, 2),
-    )
+    drawn_scalars = moved_scalars @ gain
+    plain.knots, plain.scalars = plain.knots + moved @ pull, plain.scalars + moved_scalars @ pull
+    plain.corner = plain.corner - drawn_scalars @ moved_scalars.T
+    if len(plain.diagonal):
+        drawn = moved @ gain
+        points = _START @ moved_scalars[ORIGIN] + _running(reach @ moved[:, AXIS])
+        add_products(plain.diagonal, plain.beside, -drawn, moved)
+        plain.border -= drawn @ moved_scalars.T
+        plain.axis -= points @ gain @ np.swapaxes(points, 1, 2)
+    return plain
 
 
 _START = np.eye(4)[:, :3]
@@ -221,87 +214,3 @@ def _running(values: np.ndarray) -> np.ndarray:
     out = np.zeros_like(values)
     np.cumsum(values[:-1], axis=0, out=out[1:])
     return out
-
-
-@njit(cache=True)
-def _ways(blocks, beside, reach):
-    """Return the covariance (knot, 4, 4) of the sums of what all ways (the first three states) before each knot add.
-
-    Knots are a Markov chain: what the sums share with the next knot they share through this one.
-    """
-    knots, block = blocks.shape[:2]
-    out = np.zeros((knots, 4, 4))
-    shared = np.zeros((4, block))
-    for k in range(knots - 1):
-        own = reach[k] @ np.ascontiguousarray(blocks[k, :3])
-        with_sums = np.ascontiguousarray(shared[:, :3]) @ reach[k].T
-        out[k + 1] = out[k] + with_sums + with_sums.T + np.ascontiguousarray(own[:, :3]) @ reach[k].T
-        through = np.linalg.solve(blocks[k], beside[k])
-        shared = (shared + own) @ through
-    return out
-
-
-@njit(cache=True)
-def _eliminate(diagonal, beside, right):
-    """Return inverses of the pivots, the steps that eliminate each block, the solution of T X = right, and success.
-
-    Pivots are factored by Cholesky and lose a square, never a product, so that they stay symmetric to the last bit.
-    """
-    knots, block = diagonal.shape[:2]
-    inverse = np.empty_like(diagonal)
-    step = np.empty_like(beside)
-    solved = right.copy()
-    pivot = diagonal[0].copy()
-    lower = np.zeros((block, block))
-    for k in range(knots):
-        for j in range(block):
-            value = pivot[j, j]
-            for i in range(j):
-                value -= lower[j, i] * lower[j, i]
-            if not value > 0.0:
-                return inverse, step, solved, False
-            lower[j, j] = np.sqrt(value)
-            for m in range(j + 1, block):
-                value = pivot[m, j]
-                for i in range(j):
-                    value -= lower[m, i] * lower[j, i]
-                lower[m, j] = value / lower[j, j]
-        root = _invert(lower)
-        above = np.ascontiguousarray(root.T)
-        inverse[k] = above @ root
-        if k < knots - 1:
-            half = root @ beside[k]
-            step[k] = above @ half
-            pivot = diagonal[k + 1] - np.ascontiguousarray(half.T) @ half
-            solved[k + 1] -= np.ascontiguousarray(step[k].T) @ solved[k]
-    for k in range(knots - 1, -1, -1):
-        solved[k] = inverse[k] @ solved[k]
-        if k < knots - 1:
-            solved[k] -= step[k] @ solved[k + 1]
-    return inverse, step, solved, True
-
-
-@njit(cache=True)
-def _invert(lower):
-    """Return the inverse of a lower triangular matrix."""
-    size = len(lower)
-    out = np.zeros((size, size))
-    for j in range(size):
-        out[j, j] = 1.0 / lower[j, j]
-        for i in range(j + 1, size):
-            value = 0.0
-            for k in range(j, i):
-                value -= lower[i, k] * out[k, j]
-            out[i, j] = value / lower[i, i]
-    return out
-
-
-@njit(cache=True)
-def _selected(inverse, step):
-    """Return the diagonal blocks of the inverse of T, and the blocks beside them."""
-    blocks = inverse.copy()
-    beside = np.empty_like(step)
-    for k in range(len(step) - 1, -1, -1):
-        beside[k] = -step[k] @ blocks[k + 1]
-        blocks[k] -= beside[k] @ np.ascontiguousarray(step[k].T)
-    return blocks, beside

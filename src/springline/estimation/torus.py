@@ -10,8 +10,8 @@ import numpy as np
 
 from ..geometry.fitting import fit_ellipses_to_ranges
 from ..geometry.robot import frame
-from .factors.base import DERIVATIVE_STEPS
-from .factors.sensor import evaluate
+from .factors.rings import WINDOW
+from .factors.sensor import Places
 from .problem import Problem
 from .states import CLOCK, DIRECTION, SECTION, State, place
 
@@ -33,26 +33,21 @@ def bend_terms(problem: Problem, state: State) -> np.ndarray:
     bent = np.flatnonzero(np.hypot(*curvature[interval].T) * (_STEEPEST * radius) ** 2 > 2.0 * _LEAST)
     if not bent.size:
         return out
-    places = problem.places(problem.rings.distance[bent], float(state.scalars[CLOCK]))
-    found = evaluate(
-        1,
-        places.interval,
-        state.knots,
-        state.scalars,
-        places.share,
-        places.step,
-        places.tracks(),
-        places.clock,
-        np.asarray(places.lever, float),
-        np.arange(0),
-        DERIVATIVE_STEPS,
-    )[0]
+    for first in range(0, len(bent), WINDOW):
+        rows = bent[first : first + WINDOW]
+        _add_bend(
+            out, rows, problem.places(problem.rings.distance[rows], float(state.scalars[CLOCK])), state, curvature
+        )
+    return out
+
+
+def _add_bend(out: np.ndarray, rings: np.ndarray, places: Places, state: State, curvature: np.ndarray) -> None:
+    found = places.evaluate(1, state, np.arange(0))[0]
     bend = curvature[places.interval]
     reach = found[:, 5] * np.hypot(np.tan(found[:, 2]), np.tan(found[:, 3]))
     rows = np.flatnonzero(np.hypot(*bend.T) * reach**2 > 2.0 * _LEAST)
     if rows.size:
-        out[bent[rows]] = added_by_bend(found[rows, :5], found[rows, 5:8], bend[rows])
-    return out
+        out[rings[rows]] = added_by_bend(found[rows, :5], found[rows, 5:8], bend[rows])
 
 
 def _curvature(state: State) -> np.ndarray:

@@ -6,7 +6,7 @@ then needs knots for the slow errors alone.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 
 import numpy as np
 from numba import njit
@@ -20,6 +20,8 @@ REACH = 7
 _TURN = 0.02
 _SPEED = 0.25
 _GAP = 3.0
+_PART = 2000
+"""Intervals whose samples are held at once."""
 
 
 @dataclass(frozen=True)
@@ -28,28 +30,37 @@ class Marks:
 
     Attributes:
         axes: Robot axes x, y, z in columns, on Earth (n, 3, 3).
-        reach: Columns as REACH says, on Earth (n, 3, REACH).
+        reach: Columns as REACH says, on Earth (n, 3, REACH), from a place that all of one call share.
         axes_by_clock: Change of `axes` per second of clock offset.
         reach_by_clock: The same of `reach`.
-        time: Inertial clock at each [s] (n,).
-        force: Integral of specific force on Earth over time [m/s] (n, 3).
-        still: Integral of the axes over time [s] (n, 3, 3).
-        moving: Integral of the axes over the time of moving [s] (n, 3, 3).
-        spread: Integral of the gyro's error variance, in units of its random walk squared [s], and of what gaps add
-            [rad2] (n, 2).
-        velocity: On Earth, by the odometer [m/s] (n, 3).
     """
 
     axes: np.ndarray
     reach: np.ndarray
     axes_by_clock: np.ndarray
     reach_by_clock: np.ndarray
-    time: np.ndarray
+
+
+@dataclass(frozen=True)
+class Felt:
+    """What the inertial unit felt over consecutive intervals.
+
+    Attributes:
+        seconds: Length of each [s] (n,).
+        force: Integral of specific force on Earth over time [m/s] (n, 3).
+        still: Integral of the axes over time [s] (n, 3, 3).
+        moving: Integral of the axes over the time of moving [s] (n, 3, 3).
+        spread: Integral of the gyro's error variance, in units of its random walk squared [s], and of what gaps add
+            [rad2] (n, 2).
+        change: Of the velocity on Earth, by the odometer [m/s] (n, 3).
+    """
+
+    seconds: np.ndarray
     force: np.ndarray
     still: np.ndarray
     moving: np.ndarray
     spread: np.ndarray
-    velocity: np.ndarray
+    change: np.ndarray
 
 
 class Track:
@@ -74,18 +85,13 @@ class Track:
         self.bias_time = float(self.still.sum() * usual)
         self.bias = inertial.gyro[self.still].mean(axis=0) if self.bias_time else np.zeros(3)
         rate = np.where(self.still[:, None], 0.0, inertial.gyro - self.bias)
-        turn = 0.5 * (rate[1:] + rate[:-1]) * steps[:, None]
-        self._axes = _integrate(self._level(), turn)
-        self._rate = turn / steps[:, None]
-        both = self._axes[1:] + self._axes[:-1]
-        self._stood = _sum(0.5 * both * steps[:, None, None])
-        moves = ~(self.still[1:] & self.still[:-1])
-        self._moving = _sum(0.5 * both * (steps * moves)[:, None, None])
-        force = np.einsum("nij,nj->ni", self._axes, inertial.accel)
-        self._force = _sum(0.5 * (force[1:] + force[:-1]) * steps[:, None])
-        typical = float(np.mean(rate**2))
-        self._spread = _sum(np.stack([steps * moves, np.where(self._gap, typical * steps**2, 0.0)], axis=1))
-        self._active = _sum(steps * moves)
+        self._typical = float(np.mean(rate**2))
+        self._rate = 0.5 * (rate[1:] + rate[:-1])
+        self._axes = _integrate(self._level(), self._rate * steps[:, None])
+        self._moves = ~(self.still[1:] & self.still[:-1])
+        self._active = _sum(steps * self._moves)
+        # Standstills last no time of moving, but a place must be found in it.
+        self._strictly = self._active + 1e-9 * np.arange(len(self._active))
 
     def _level(self) -> np.ndarray:
         """Return the robot's axes at the first sample, level by the accelerometer's first second, heading north."""
@@ -101,52 +107,63 @@ class Track:
 
     def turned(self, heading: float) -> None:
         """Turn the whole track clockwise by `heading` [rad]."""
-        turn = matrix(np.array([0.0, 0.0, -heading]))
-        for name in ("_axes", "_stood", "_moving"):
-            setattr(self, name, turn @ getattr(self, name))
-        self._force = self._force @ turn.T
+        self._axes = matrix(np.array([0.0, 0.0, -heading])) @ self._axes
 
     def at(self, distance: np.ndarray, clock: float) -> Marks:
         """Return the track at odometer readings (n,) [m], the inertial clock showing `clock` seconds too much."""
         here, later = self._reaches(distance, clock), self._reaches(distance, clock + 1e-3)
-        axes, reach, time = here
-        force, stood, moving, spread = (
-            self._up_to(time, values) for values in (self._force, self._stood, self._moving, self._spread)
-        )
-        speed = (self._distance(time + _SPEED, clock) - self._distance(time - _SPEED, clock)) / (2.0 * _SPEED)
-        return Marks(
-            axes=axes,
-            reach=reach,
-            axes_by_clock=(later[0] - axes) / 1e-3,
-            reach_by_clock=(later[1] - reach) / 1e-3,
-            time=time,
-            force=force,
-            still=stood,
-            moving=moving,
-            spread=spread,
-            velocity=speed[:, None] * axes[..., 0],
+        return Marks(here[0], here[1], (later[0] - here[0]) / 1e-3, (later[1] - here[1]) / 1e-3)
+
+    def between(self, distance: np.ndarray) -> Felt:
+        """Return what was felt between neighbouring odometer readings (n,) [m], by the inertial clock."""
+        time = self._when(distance, 0.0)
+        parts = [self._felt(time[first : first + _PART + 1]) for first in range(0, len(time) - 1, _PART)]
+        return Felt(*(np.concatenate([getattr(part, field.name) for part in parts]) for field in fields(Felt)))
+
+    def _felt(self, time: np.ndarray) -> Felt:
+        rows = self._rows(time)
+        log, axes = self._log.time[rows], self._axes[rows]
+        within = slice(rows.start, rows.stop - 1)
+        steps, moves = np.diff(log), self._moves[within]
+        both = 0.5 * (axes[1:] + axes[:-1]) * steps[:, None, None]
+        force = np.einsum("nij,nj->ni", axes, self._log.accel[rows])
+        gap = np.where(self._gap[within], self._typical * steps**2, 0.0)
+
+        def over(values: np.ndarray) -> np.ndarray:
+            return np.diff(_up_to(time, log, _sum(values)), axis=0)
+
+        speed = (self._distance(time + _SPEED, 0.0) - self._distance(time - _SPEED, 0.0)) / (2.0 * _SPEED)
+        return Felt(
+            seconds=np.maximum(np.diff(time), 1e-6),
+            force=over(0.5 * (force[1:] + force[:-1]) * steps[:, None]),
+            still=over(both),
+            moving=over(both * moves[:, None, None]),
+            spread=over(np.stack([steps * moves, gap], axis=1)),
+            change=np.diff(speed[:, None] * self._attitude(time)[0][..., 0], axis=0),
         )
 
-    def _reaches(self, distance: np.ndarray, clock: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        counted = self._distance(self._log.time, clock)
-        cumulated = _sum(0.5 * (self._axes[1:] + self._axes[:-1]) * np.diff(counted)[:, None, None])
+    def _rows(self, time: np.ndarray) -> slice:
+        """Return the samples that hold all times between them."""
+        low, high = np.searchsorted(self._log.time, (time.min(), time.max()))
+        return slice(max(int(low) - 2, 0), min(int(high) + 2, len(self._log.time)))
+
+    def _reaches(self, distance: np.ndarray, clock: float) -> tuple[np.ndarray, np.ndarray]:
         time = self._when(distance, clock)
+        rows = self._rows(time)
+        counted = _extended(self._active[rows], self._motion(self._rings.time + clock), self._rings.distance)
+        mean = self._axes[rows][1:] + self._axes[rows][:-1]
+        cumulated = _sum(0.5 * mean * np.diff(counted)[:, None, None])
         axes, row = self._attitude(time)
-        reach = cumulated[row] + 0.5 * (self._axes[row] + axes) * (distance - counted[row])[:, None, None]
+        start = row - rows.start
+        reach = cumulated[start] + 0.5 * (self._axes[row] + axes) * (distance - counted[start])[:, None, None]
         ahead, behind = (self._attitude(self._when(distance + step, clock))[0][..., 0] for step in (_TURN, -_TURN))
         turning = (ahead - behind) / (2.0 * _TURN)
-        return axes, np.concatenate([reach, axes, turning[..., None]], axis=2), time
+        return axes, np.concatenate([reach, axes, turning[..., None]], axis=2)
 
     def _attitude(self, time: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         row = np.clip(np.searchsorted(self._log.time, time, side="right") - 1, 0, len(self._rate) - 1)
         since = np.clip(time - self._log.time[row], 0.0, None)
         return self._axes[row] @ matrix(self._rate[row] * since[:, None]), row
-
-    def _up_to(self, time: np.ndarray, cumulated: np.ndarray) -> np.ndarray:
-        row = np.clip(np.searchsorted(self._log.time, time, side="right") - 1, 0, len(self._rate) - 1)
-        share = (time - self._log.time[row]) / (self._log.time[row + 1] - self._log.time[row])
-        share = share.reshape(-1, *([1] * (cumulated.ndim - 1)))
-        return cumulated[row] + share * (cumulated[row + 1] - cumulated[row])
 
     def _distance(self, time: np.ndarray, clock: float) -> np.ndarray:
         """Return the odometer reading at inertial times; standstills do not move it."""
@@ -155,11 +172,18 @@ class Track:
     def _when(self, distance: np.ndarray, clock: float) -> np.ndarray:
         active = _extended(distance, self._rings.distance, self._motion(self._rings.time + clock))
         # Arriving comes before standing still: the earliest time at which so much motion is done.
-        return np.interp(active, self._active + 1e-9 * np.arange(len(self._active)), self._log.time)
+        return np.interp(active, self._strictly, self._log.time)
 
     def _motion(self, time: np.ndarray) -> np.ndarray:
         """Return how long the robot has been moving at each inertial time [s]."""
         return np.interp(time, self._log.time, self._active)
+
+
+def _up_to(time: np.ndarray, log: np.ndarray, cumulated: np.ndarray) -> np.ndarray:
+    """Return running sums (m, ...) at the samples `log` (m,), at times between them."""
+    row = np.clip(np.searchsorted(log, time, side="right") - 1, 0, len(log) - 2)
+    share = ((time - log[row]) / (log[row + 1] - log[row])).reshape(-1, *([1] * (cumulated.ndim - 1)))
+    return cumulated[row] + share * (cumulated[row + 1] - cumulated[row])
 
 
 def _sum(steps: np.ndarray) -> np.ndarray:

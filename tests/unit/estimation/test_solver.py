@@ -84,6 +84,15 @@ def test_known_points_count_as_the_long_rows_that_they_are():
     check(solve(normal, threads, ALONG), matrix, right)
 
 
+def test_the_solution_alone_is_the_same():
+    normal, matrix, right = problem(np.random.default_rng(4))
+    found = solve(normal, covariance=False)
+    whole = np.linalg.solve(matrix, right)
+    np.testing.assert_allclose(found.knots.ravel(), whole[: KNOTS * BLOCK], rtol=1e-9)
+    np.testing.assert_allclose(found.scalars, whole[KNOTS * BLOCK :], rtol=1e-9)
+    assert found.diagonal.size == 0
+
+
 def test_a_state_without_information_is_refused():
     normal, _, _ = problem(np.random.default_rng(3))
     normal.diagonal[2, 4] = normal.diagonal[2, :, 4] = 0.0

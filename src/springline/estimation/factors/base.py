@@ -95,10 +95,14 @@ class Linear:
             normal.right_corner,
         )
 
-    def tune(self, found: Factored) -> None:
-        """Take the scale of every tuned group from what is left over, less what the estimate itself explains."""
+    def asked(self, found: Factored) -> np.ndarray:
+        """Return the logarithm of the change that each group's scale asks for (g,); 0 where it is not tuned.
+
+        A scale is right when what is left over equals the number of residuals less what the estimate itself explains.
+        """
+        out = np.zeros(len(self.factor.groups))
         if not any(self.factor.tuned):
-            return
+            return out
         used = _used(
             self.factor.interval,
             self.factor.columns,
@@ -114,9 +118,8 @@ class Linear:
                 weight = self.weight[:, rows]
                 left = float(np.sum(weight * self.residual[:, rows] ** 2))
                 free = max(weight.size - float(np.sum(used[:, rows])), 1.0)
-                # Over-relaxed: what is taken from the data comes to rest in a few steps.
-                change = np.clip((left / free) ** 0.75, 0.1, 10.0)
-                self.factor.scale[k] = np.clip(self.factor.scale[k] * change, 1e-3, 1e3)
+                out[k] = 0.5 * np.log(max(left, 1e-12) / free)
+        return out
 
 
 def robust_weight(square: np.ndarray, size: int, tail: float) -> np.ndarray:

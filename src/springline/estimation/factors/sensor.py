@@ -12,8 +12,9 @@ import numpy as np
 from numba import njit
 
 from ..rotations import pipe_frame, rotate
-from ..states import AXLES, BLOCK, CLOCK, LEVER, LEVER_UP, OFFSET, SCALE, SLIP_RIGHT, SLIP_UP
+from ..states import AXLES, BLOCK, CLOCK, LEVER, LEVER_UP, OFFSET, SCALE, SLIP_RIGHT, SLIP_UP, State
 from ..track import REACH
+from .base import DERIVATIVE_STEPS
 
 OUTPUTS = 19
 """What `locate` tells: offset y, z; robot x, y, z axes on the pipe's axes; section; way along the axis; direction."""
@@ -60,6 +61,22 @@ class Places:
         """Return reach, span and axes with their changes by the clock, flat for the kernel (n, 102)."""
         parts = (self.reach, self.reach_by_clock, self.span, self.span_by_clock, self.axes, self.axes_by_clock)
         return np.concatenate([part.reshape(len(part), -1) for part in parts], axis=1)
+
+    def evaluate(self, kind: int, state: State, columns: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Return what `evaluate` tells of every place, and its slopes on the columns."""
+        return evaluate(
+            kind,
+            self.interval,
+            state.knots,
+            state.scalars,
+            self.share,
+            self.step,
+            self.tracks(),
+            self.clock,
+            np.asarray(self.lever, float),
+            columns,
+            DERIVATIVE_STEPS,
+        )
 
 
 def reach_weights(scalars: np.ndarray, lever: tuple[float, float, float]) -> np.ndarray:
