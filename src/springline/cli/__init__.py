@@ -23,6 +23,7 @@ _COMMANDS = {
     "calibrate": "Calibrate a sensor from references, or study a method's precision.",
     "simulate": "Simulate a survey with known truth from a scenario.",
     "view": "Serve an inspection's viewer and report on this machine.",
+    "detect": "Find joints and laterals in CCTV frames.",
     "design": "Size a liner, from numbers or along an inspected pipe.",
     "reproduce": "Make the dissertation's tables and figures again, beside what was printed.",
 }

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from springline.errors import InputError
+from springline.errors import InputError, OutputError
 from springline.imaging.opencv import opencv
 
 if TYPE_CHECKING:
@@ -130,3 +130,17 @@ def _cut_short(content: NDArray[np.uint8]) -> bool:
     if head.startswith(b"\x89PNG"):
         return b"IEND" not in tail
     return False
+
+
+def write_picture(path: Path, image: Image) -> None:
+    """Write a picture as PNG.
+
+    Raises:
+        OutputError: The disk refuses.
+        MissingExtraError: OpenCV is not installed.
+    """
+    content = opencv().imencode(".png", image, [opencv().IMWRITE_PNG_COMPRESSION, 3])[1]
+    try:
+        path.write_bytes(content.tobytes())
+    except OSError as error:
+        raise OutputError(f"cannot be written: {error.strerror or error}", where=path) from error
