@@ -109,6 +109,16 @@ def test_codes_of_one_system_go_from_format_to_format(wanted, tmp_path):
         assert said[word] == inspections_of(survey)[0].common[word], word
 
 
+def test_what_was_read_goes_back_under_a_plain_extension(tmp_path):
+    for key in ("en13508", "isybau", "m150"):
+        path = sample(key, tmp_path)
+        survey = sl.read(path)
+        written = sl.write(survey, tmp_path / f"{key}-again{path.suffix}")
+        assert sl.read(written).observations.attrs["format"] == key
+    with pytest.raises(InputError, match="none of /rings"):
+        sl.write(survey, tmp_path / "a.txt")
+
+
 def test_codes_of_different_systems_are_not_translated(tmp_path):
     survey = sl.read(sample("pacp", tmp_path))
     with pytest.raises(InputError, match="no agreed counterparts"):

@@ -51,7 +51,7 @@ def convert(
     """
     from ..io.reading import read_one
     from ..io.writing import left_out, output_format
-    from ..outputs.exchange.writing import export_of, known_format, write
+    from ..outputs.exchange.writing import SHARED, export_of, known_format, own_format, write
 
     options = reading.read_options(
         nominal=nominal,
@@ -66,11 +66,14 @@ def convert(
         name=name,
     )
     key = None if to is None else known_format(to, where="--to")
-    export = export_of(target, key)
-    kind = export or output_format(target, key)
+    if (key is not None or target.suffix.lower() not in SHARED) and export_of(target, key) is None:
+        output_format(target, key)
     if source.exists() and target.exists() and source.samefile(target):
         raise InputError("the output is the input", where=target, mend="choose another name")
     survey = read_one(source, options)
+    key = key or own_format(survey, target)
+    export = export_of(target, key)
+    kind = export or output_format(target, key)
     write(survey, target, format=kind.key, force=force)
     lost = [] if export else left_out(survey, kind)
     if as_json:

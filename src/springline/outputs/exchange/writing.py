@@ -45,7 +45,7 @@ def write(
         OutputError: `path` exists without `force`, or the disk refuses; nothing half-written stays.
     """
     path = Path(path)
-    export = export_of(path, format)
+    export = export_of(path, format or own_format(survey, path))
     if export is None:
         return write_survey(survey, path, format=format, force=force)
     function = export.write_function()
@@ -57,6 +57,18 @@ def write(
                 raise
             raise MissingExtraError.of(str(export.extra), f"writing {export.title}") from None
     return path
+
+
+SHARED = (".xml", ".txt")
+"""Extensions that several formats share."""
+
+
+def own_format(survey: Survey, path: Path) -> str | None:
+    """Return the format that a survey of observations alone was read from, when `path` may be such a file."""
+    if path.suffix.lower() not in SHARED or survey.groups != ("observations",):
+        return None
+    key = str(survey.observations.attrs.get("format", ""))
+    return key if key in EXPORTS and EXPORTS[key].extensions[0].endswith(path.suffix.lower()) else None
 
 
 def export_of(path: Path, key: str | None = None, *, where: str = "format") -> Export | None:
