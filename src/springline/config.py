@@ -99,6 +99,8 @@ class DetectConfig(_Settings):
     """How many bumps and how many closed joints a survey may show by chance."""
     least_depth: Fraction = 0.005
     """Bumps shallower than this share of the diameter are left out."""
+    least_confidence: Fraction = 0.5
+    """Features less probable than this are left out."""
 
 
 class MetricsConfig(_Settings):

@@ -247,7 +247,7 @@ GROUPS = {
                 *_with_sigma(
                     (
                         _v("distance", "candidate", "m", "of its middle, by the same counter as the rings and frames"),
-                        _v("bearing", "candidate", "rad", "of its middle; NaN for what goes all round"),
+                        _v("bearing", "candidate", "rad", "of its middle, as the ring sees it; NaN for a joint"),
                         _v("size", "candidate", "m", "width round the wall; of a joint its gap"),
                         _v("length", "candidate", "m", "length along the pipe"),
                         _v("depth", "candidate", "m", "positive outward, negative inward; NaN when unseen"),

@@ -36,8 +36,9 @@ _STEADY = 4.0
 _LASTING = 6.0
 _FAR = 0.03
 _SIGMAS = 6.0
+_SCATTERED = 3.0
 _CODE = {name: code for code, name in MASK_REASONS.items()}
-_NO_WALL = [_CODE[name] for name in ("outlier", "water")]
+_NO_WALL = [_CODE[name] for name in ("outlier", "water", "by_hand")]
 _UNSEEN = [_CODE[name] for name in ("no_return", "out_of_range")]
 
 
@@ -82,15 +83,20 @@ def seen_in_rings(rings: xr.Dataset, mask: xr.Dataset, settings: DetectConfig) -
     known = Rings(distance, own, np.where(agree > 0.6, sections[:, 2] + offset, np.nan), offset, groove, diameter)
     joints = find_grooves(known)
     window = int(np.clip(round(0.15 * diameter / spacing), 4, 40))
-    steps = find_steps(known, joints, window=window, false_alarms=settings.false_alarm)
+    cloud = rings.attrs.get("distance_source") == "axis"
+    # Rings of a cloud share an axis: what one of them is off it tells of the camera, not of the pipe.
+    steps = [] if cloud else find_steps(known, joints, window=window, false_alarms=settings.false_alarm)
     rows = np.zeros(len(cells.possible), bool)
     for one in joints:
         rows[cells.row[one.first_ring] : cells.row[one.last_ring] + 1] = True
     openings = find_openings(known, cells, rows, window=_window(cells, diameter, distance))
     height[rows] = np.nan
+    row_noise = cells.row_means(noise)
+    if cloud:
+        height[row_noise > _SCATTERED * np.quantile(row_noise, 0.25)] = np.nan
     _flag(opening, height, cells, openings)
     least = settings.least_depth * diameter
-    bumps = find_bumps(known, cells, height, false_alarms=settings.false_alarm, least=least)
+    bumps = find_bumps(known, cells, height, row_noise, false_alarms=settings.false_alarm, least=least)
     return sorted([*joints, *steps, *openings, *bumps], key=lambda one: one.first_ring + one.last_ring), opening
 
 
@@ -187,7 +193,9 @@ def _map(
         deviation -= at_readings(cells.row[rows], cells, lasting)
         reason = mask["reason"][rows].values
         wet = reason == _CODE["water"]
-        add_rings(cells, rows.start, deviation, np.isin(reason, _UNSEEN), wet, far=far[rows])
+        # What a cloud lacks it may never have looked at.
+        missing = np.isin(reason, _UNSEEN) & (rings.attrs.get("distance_source") != "axis")
+        add_rings(cells, rows.start, deviation, missing, wet, far=far[rows])
         with np.errstate(invalid="ignore"):
             out = (deviation > np.maximum(0.005 * diameter, 4.0 * noise[rows])[:, None]).sum(axis=1)
         groove[rows] = out / np.maximum(np.isfinite(deviation).sum(axis=1), 1)

@@ -22,6 +22,7 @@ if TYPE_CHECKING:
 _LONGEST_GROOVE = 0.5
 _LONGEST_OPENING = 3.0
 _WIDEST_OPENING = np.radians(190.0)
+_WIDEST_BUMP = np.radians(200.0)
 _LEAST_OPEN = 6
 _BLIND = 0.3
 _LEAST_GROOVE = 0.005
@@ -195,7 +196,13 @@ def _opening_sure(far: float, missing: float) -> float:
 
 
 def find_bumps(
-    rings: Rings, cells: WallMap, height: NDArray[np.float64], *, false_alarms: float, least: float
+    rings: Rings,
+    cells: WallMap,
+    height: NDArray[np.float64],
+    noise: NDArray[np.float64],
+    *,
+    false_alarms: float,
+    least: float,
 ) -> list[Seen]:
     """Return where the wall stands inward over a patch: dents, deposits, intrusions.
 
@@ -206,21 +213,24 @@ def find_bumps(
         rings: The rings.
         cells: The unrolled wall.
         height: (row, column) deviation of the wall from what goes on along the pipe [m]; NaN = not seen.
+        noise: (row,) one-sigma of a reading [m]: where a sensor sees worse, more is asked for.
         false_alarms: How many the survey may show by chance.
         least: Least depth [m].
     """
     height = confirmed(height)
+    unit = noise / np.median(noise)
     flags = np.zeros(height.shape, bool)
     seeds, scores = np.zeros(height.shape, bool), np.zeros(height.shape)
     for size in (1, 3, 7):
         if size > height.shape[1] // 3:
             continue
         mean, _ = smoothed(height, along=size, around=size)
-        sigma = max(robust_sigma(mean), 1e-7)
+        level = mean / unit[:, None]
+        sigma = max(robust_sigma(level), 1e-7)
         limit = threshold(false_alarms / 3.0, height.size / size**2)
         with np.errstate(invalid="ignore"):
-            score = np.nan_to_num(-mean / sigma)
-            seeds |= (score > limit) & (mean < -least)
+            score = np.nan_to_num(-level / sigma)
+            seeds |= (score > limit) & (mean < -least) & np.isfinite(height)
             flags |= (score > 3.0) & (mean < -0.25 * least)
         scores = np.maximum(scores, score)
     patch = regions(flags | seeds)
@@ -229,7 +239,7 @@ def find_bumps(
     found = []
     for k in range(len(patch.cells)):
         rows = slice(patch.first_row[k], patch.last_row[k] + 1)
-        inside = patch.labels[rows] == k + 1
+        inside = (patch.labels[rows] == k + 1) & np.isfinite(height[rows])
         if not (seeds[rows] & inside).any():
             continue
         first, last = int(ring_of[patch.first_row[k]]), int(ring_of[patch.last_row[k] + 1]) - 1
@@ -237,7 +247,9 @@ def find_bumps(
         column, score = best % height.shape[1], float(scores[rows].flat[best])
         sure = float(confidence(score, height.size, expected=1.0))
         span = float(patch.columns[k] * width)
-        deepest = float(np.nanmin(np.where(inside, height[rows], np.nan)))
+        if span > _WIDEST_BUMP:
+            continue
+        deepest = float(np.min(np.where(inside, height[rows], np.inf)))
         bearing = float((column + 0.5) * width)
         found.append(Seen("inward", first, last, bearing, span, deepest, score, sure))
     return found

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ...conventions import FIT_STATUS
+from ...conventions import FIT_STATUS, MASK_REASONS
 from ...errors import InputError
 from ...geometry.cleaning import unlike_both_sides
 from ...survey import add_assumption, add_warning
@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from .rings import Fitted
 
 _SCATTERED = 3.0
+_LATERAL = next(code for code, name in MASK_REASONS.items() if name == "lateral")
 
 
 def estimate(survey: Survey, config: Config) -> Survey:
@@ -39,7 +40,7 @@ def estimate(survey: Survey, config: Config) -> Survey:
     its posterior is clear, `undecided` otherwise.
 
     Args:
-        survey: With `/rings` and `/mask`; `/inertial` and `/ties` are used when they are there.
+        survey: With `/rings` and `/mask`; `/candidates`, `/inertial` and `/ties` are used when they are there.
         config: `estimate.method`, `estimate.minimum_coverage`, `estimate.largest_gap`, `sensor.scale_sigma`.
 
     Raises:
@@ -47,7 +48,7 @@ def estimate(survey: Survey, config: Config) -> Survey:
 
     Source: dissertation 2.9.1 (geometric fit) and 4.1 (origin offset); chapters 4 and 5 jointly.
     """
-    rings, mask, settings = survey.rings, survey.mask, config.estimate
+    rings, mask, settings = survey.rings, _without_openings(survey), config.estimate
     wanted = settings.method == "joint" or (settings.method == "auto" and not why_not(survey))
     fitted = fit_rings(rings, mask, settings, pool=wanted)
     _refuse_nothing(survey, fitted)
@@ -76,6 +77,17 @@ def estimate(survey: Survey, config: Config) -> Survey:
     survey = _explain_joint(survey, joint)
     survey = survey.with_group("pose", groups.pose_of_joint(joint)).with_group("section", section)
     return survey if "axis" in joint.why_missing else survey.with_group("layout", layout(survey, joint, _start(rings)))
+
+
+def _without_openings(survey: Survey) -> xr.Dataset:
+    """Return `/mask` without the readings that candidates say fall on openings: no section is bent into a hole."""
+    mask = survey.mask
+    if not (survey.has("candidates") and "opening" in survey.candidates):
+        return mask
+    reason = np.where(
+        (mask["reason"].values == 0) & (survey.candidates["opening"].values == 1), _LATERAL, mask["reason"]
+    )
+    return mask.assign(reason=(mask["reason"].dims, reason), coverage=("ring", (reason == 0).mean(axis=1)))
 
 
 def _refuse_nothing(survey: Survey, fitted: Fitted) -> None:

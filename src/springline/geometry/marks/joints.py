@@ -1,0 +1,161 @@
+"""An open or closed joint sized: how far the pipe ends stand apart, and how the next pipe is set off and turned."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from .edges import crossings, edge_between
+from .steps import jumps
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike, NDArray
+
+_LEAST_RINGS = 6
+
+
+class Gap(NamedTuple):
+    """An open joint; all with their one-sigma.
+
+    Attributes:
+        middle, middle_sigma: Place of its middle [m].
+        gap, gap_sigma: How far the ends stand apart on average round the pipe [m].
+        depth, depth_sigma: How far the wall stands back in it [m].
+    """
+
+    middle: float
+    middle_sigma: float
+    gap: float
+    gap_sigma: float
+    depth: float
+    depth_sigma: float
+
+
+class SetOff(NamedTuple):
+    """How the next pipe lies: (right, up, radius) displacement [m] and (right, up) turn [rad], with one-sigma."""
+
+    step: NDArray[np.float64]
+    step_sigma: NDArray[np.float64]
+    turn: NDArray[np.float64]
+    turn_sigma: NDArray[np.float64]
+
+
+def size_gap(before: ArrayLike, after: ArrayLike, place: ArrayLike, bearings: ArrayLike, *, noise: float) -> Gap | None:
+    """Return the size of an open joint.
+
+    Args:
+        before: (ring, bearing) deviations from the wall of the pipe before it, carried on across the joint [m];
+            positive outside, NaN = no reading.
+        after: (ring, bearing) deviations from the wall of the pipe after it, carried back.
+        place: (ring,) chainage [m].
+        bearings: (bearing,) [rad].
+        noise: One-sigma of a reading [m].
+
+    Returns:
+        The gap; None when no ring stands in it.
+    """
+    before, after, place = (np.asarray(v, float) for v in (before, after, place))
+    known = np.isfinite(before) & np.isfinite(after)
+    with np.errstate(invalid="ignore"):
+        lower = np.minimum(before, after)
+    rest = lower[known & (lower > 4.0 * noise)]
+    if not len(rest):
+        return None
+    depth = float(np.quantile(rest, 0.75))
+    with np.errstate(invalid="ignore"):
+        first = crossings(before > 0.5 * depth, known, place)
+        last = crossings((after > 0.5 * depth)[::-1], known[::-1], place[::-1])
+    start, end = edge_between(*first, bearings), edge_between(last[1], last[0], bearings)
+    if start is None or end is None:
+        return None
+    gap = end.plane[0] - start.plane[0]
+    variance = start.covariance[0, 0] + end.covariance[0, 0]
+    inside = rest[rest > 0.5 * depth]
+    spread = 1.4826 * float(np.median(np.abs(inside - depth)))
+    return Gap(
+        middle=0.5 * (end.plane[0] + start.plane[0]),
+        middle_sigma=0.5 * float(np.sqrt(variance)),
+        gap=max(float(gap), 0.0),
+        gap_sigma=float(np.sqrt(variance)),
+        depth=float(np.median(inside)),
+        depth_sigma=float(np.hypot(spread / np.sqrt(max(len(inside) / 20.0, 1.0)), 0.5 * noise)),
+    )
+
+
+def size_step(
+    place: ArrayLike, values: ArrayLike, at: float, *, window: float, scatter: ArrayLike, noise: ArrayLike
+) -> SetOff | None:
+    """Return how the pipe after a joint is displaced and turned against the pipe before it.
+
+    Lines are laid through the rings on each side; what the robot itself does there is smooth and cancels.
+
+    Args:
+        place: (ring,) chainage [m].
+        values: (ring, 3) centre_z, centre_y, mean_radius of rings [m]; NaN inside the joint.
+        at: Chainage of the joint [m].
+        window: Length on each side [m].
+        scatter: (3,) one-sigma that such steps show where there is no joint [m].
+        noise: (3,) one-sigma of a ring's values [m].
+
+    Returns:
+        None when a side has fewer than three rings.
+    """
+    place, values = np.asarray(place, float), np.asarray(values, float)
+    known = np.isfinite(values).all(axis=1)
+    sides = []
+    for side in (np.flatnonzero(known & (place < at))[::-1], np.flatnonzero(known & (place > at))):
+        if len(side) < 3:
+            return None
+        count = max(_LEAST_RINGS, int((np.abs(place[side] - place[side[0]]) <= window).sum()))
+        sides.append(side[:count])
+    rows = np.concatenate([sides[0][::-1], [sides[1][0]], sides[1][1:]])
+    x = place[rows]
+    # Half a spacing either side of the joint stands for its middle.
+    found = _across(x, values[rows], at, len(sides[0]))
+    step, step_factor, turn, turn_factor = found
+    noise, scatter = np.asarray(noise, float), np.asarray(scatter, float)
+    plain = _plain_factor(x, len(sides[0]))
+    return SetOff(
+        step,
+        np.maximum(noise, scatter / max(plain, 1e-9)) * step_factor,
+        turn[:2],
+        (np.maximum(noise, scatter / max(plain, 1e-9)) * turn_factor)[:2],
+    )
+
+
+def _across(x: NDArray, values: NDArray, at: float, left: int) -> tuple:
+    """Return step and change of slope at `at`, and their factors on the noise of one ring."""
+    rows = np.zeros((len(x), 4))
+    rows[:left, 0], rows[:left, 1] = 1.0, x[:left] - at
+    rows[left:, 2], rows[left:, 3] = 1.0, x[left:] - at
+    inverse = np.linalg.inv(rows.T @ rows)
+    found = inverse @ rows.T @ values
+    variance = np.diag(inverse)
+    return (
+        found[2] - found[0],
+        float(np.sqrt(variance[0] + variance[2])),
+        found[3] - found[1],
+        float(np.sqrt(variance[1] + variance[3])),
+    )
+
+
+def _plain_factor(x: NDArray, left: int) -> float:
+    """Return the factor that a step between two neighbouring rings would have with as many rings on each side."""
+    spacing = float(np.median(np.diff(x)))
+    even = spacing * (np.arange(len(x)) - left + 0.5)
+    return _across(even, np.zeros((len(x), 1)), 0.0, left)[1]
+
+
+def step_scatter(distance: ArrayLike, values: ArrayLike, *, window: int) -> NDArray[np.float64]:
+    """Return the one-sigma of steps where most of a survey has no joint: noise, roughness and the robot's own way.
+
+    Args:
+        distance: (ring,) increasing [m].
+        values: (ring, 3) centre_z, centre_y, mean_radius [m]; NaN = not known.
+        window: Rings on each side.
+    """
+    from .chance import robust_sigma
+
+    step = jumps(distance, values, np.ones(3), window=window).step
+    return np.array([robust_sigma(column) for column in step.T])
