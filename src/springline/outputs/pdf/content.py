@@ -33,6 +33,7 @@ _VERDICTS = {
     "uncertain": ("?", "#b58900"),
     "not assessed": ("–", "#8b95a1"),
 }
+_SENTENCE = 24
 _LONG = re.compile(r"\S{25,}")
 
 
@@ -130,12 +131,13 @@ def _headlines(report: Report) -> list[dict[str, Any]]:
 
 def _table(table: Table) -> dict[str, Any]:
     words = sorted(table.words)
-    # Columns of words share what the numbers leave; a table of short words and numbers lets its first one stretch.
+    # Columns of sentences share what the others leave; without any, the first column takes it.
+    long = [k for k in words if max((len(row[k]) for row in table.rows), default=0) > _SENTENCE]
     return {
         "headings": list(table.headings),
         "rows": [[breakable(cell) for cell in row] for row in table.rows],
         "words": words,
-        "stretch": words or [0],
+        "stretch": long or words[:1] or [0],
     }
 
 
