@@ -1,0 +1,101 @@
+"""The summary of a comparison: the few numbers that stand at the top of everything."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ... import __version__
+from ...compare.verdicts import QUANTITIES
+from .tables import clock
+
+if TYPE_CHECKING:
+    from ...compare.pair import Comparison
+    from ...compare.series import Series
+
+
+def comparison_summary(found: Comparison) -> dict[str, Any]:
+    """Return the content of `summary.json`; None where a value is not available.
+
+    `detectable` is the change that is told in 95 % of cases at the stated rate of false alarms: of a profile over 1 m,
+    of the wall as the depth of a dent of 190 mm x 35 degrees, whose size is taken at half depth and from edge to edge.
+    """
+    placed, match, d = found.placed, found.match, found.difference
+    verdicts = [c.verdict for c in found.changes]
+    patches = [c for c in found.changes if c.quantity == "patch" and c.verdict == "change"]
+    worst = max(patches, key=lambda c: abs(c.change), default=None)
+    x = np.linspace(*found.a.extent, 501)
+    good = placed.reliable(x)
+    sigma = placed.at(x)[1]
+    compared = None if d is None else float(np.isfinite(d.change).any(axis=1).sum() * d.step)
+    missing = [{"start_m": _number(s), "end_m": _number(e), "why": why} for s, e, why in found.missing]
+    return {
+        "a": found.a.name,
+        "b": found.b.name,
+        "date_a": found.a.date.isoformat() if found.a.date else None,
+        "date_b": found.b.date.isoformat() if found.b.date else None,
+        "years": _number(found.years),
+        "driven_from_the_other_end": placed.reversed,
+        "probability_same_pipe": _number(match.probability_same) if match is not None else None,
+        "relief_agreement": _number(placed.agreement),
+        "relief_evidence_nats": _number(placed.log_evidence, digits=1) if d is not None else None,
+        "length_a_m": _number(found.a.extent[1] - found.a.extent[0]),
+        "placed_pct": _number(100.0 * good.mean(), digits=1),
+        "chainage_sigma_mm": _number(1e3 * np.median(sigma[good]), digits=2) if good.any() else None,
+        "wall_compared_m": _number(compared),
+        "pairs": 0 if found.paired is None else len(found.paired.index_a),
+        "changes": verdicts.count("change"),
+        "measurement_errors": verdicts.count("measurement error"),
+        "unclear": verdicts.count("unclear"),
+        "largest_wall_change_mm": _number(1e3 * worst.change, digits=3) if worst else None,
+        "largest_wall_change_sigma_mm": _number(1e3 * worst.sigma, digits=3) if worst else None,
+        "largest_wall_change_chainage_m": _number(worst.chainage) if worst else None,
+        "largest_wall_change_clock_h": _number(float(clock(np.array(worst.bearing)))) if worst else None,
+        "range_scale_b_over_a_pct": _number(100.0 * d.scale) if d is not None else None,
+        "range_scale_sigma_pct": _number(100.0 * d.scale_sigma) if d is not None else None,
+        "common_pattern_mm": _number(1e3 * np.abs(d.pattern).max()) if d is not None else None,
+        "false_alarms_per_100m": found.rate,
+        "detectable": _detectable(found),
+        "not_compared": missing,
+        "notes": list(found.notes),
+        "version": __version__,
+    }
+
+
+def _detectable(found: Comparison) -> dict[str, dict[str, Any]]:
+    rows = {}
+    for key, value in found.detectable.items():
+        kind = QUANTITIES[key]
+        rows[kind.words] = {"value": _number(value * kind.factor), "unit": kind.unit}
+    if math.isfinite(found.detectable_edge):
+        rows["wall, local, dent from edge to edge"] = {"value": _number(1e3 * found.detectable_edge), "unit": "mm"}
+    return rows
+
+
+def series_summary(found: Series) -> dict[str, Any]:
+    """Return the content of `summary.json` of a series; each comparison with the first has its own in its folder."""
+    return {
+        "inspections": [
+            {
+                "name": e.name,
+                "date": e.date.isoformat() if e.date else None,
+                "years": _number(t) if found.dated else None,
+            }
+            for e, t in zip(found.epochs, found.times, strict=True)
+        ],
+        "compared": [{"b": p.b.name, "compared": bool(p), "reason": p.reason} for p in found.pairs],
+        "station_trends": len(found.stations),
+        "station_trends_told": sum(t.significant for t in found.stations),
+        "feature_trends": len(found.features),
+        "feature_trends_told": sum(t.significant for t in found.features),
+        "version": __version__,
+    }
+
+
+def _number(value: Any, *, digits: int = 4) -> float | None:
+    """Return a rounded plain number; None for what is missing, because JSON has no NaN."""
+    if value is None or not math.isfinite(value):
+        return None
+    return round(float(value), digits) + 0.0
