@@ -43,7 +43,12 @@ def inspections(survey: Survey, format: str) -> list[Inspection]:  # noqa: A002
             where=str(survey.attrs.get("name", "survey")),
             expected=" or ".join(k for k, v in _SYSTEMS.items() if v == _SYSTEMS.get(source)),
         )
-    return inspections_of(survey)
+    found = inspections_of(survey)
+    if source != format:
+        # Formats have lists of materials of their own, without agreed counterparts.
+        for one in found:
+            one.common.pop("material", None)
+    return found
 
 
 def is_own(survey: Survey, format: str) -> bool:  # noqa: A002
@@ -61,7 +66,6 @@ def _found(survey: Survey, system: str) -> Inspection:
         "date": str(attrs.get("date") or "")[:10],
         "operator": str(attrs.get("operator") or ""),
         "direction": str(attrs.get("direction") or ""),
-        "material": str(attrs.get("material") or ""),
         "height_mm": _mean(height),
         "width_mm": _mean(width),
         "length_m": f"{results.length:.2f}",

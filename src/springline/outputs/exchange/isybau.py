@@ -30,6 +30,9 @@ NAMESPACE = "http://www.ofd-hannover.la/Identifikation"
 _EDITIONS = {"2006-10": {"rules": "2", "codes": "2"}, "2013-02": {"rules": "5", "codes": "10"}}
 _LONGEST = 999.99
 _KEY = "1"
+# EN 13508-2 and M 150 say A at a joint, PACP and ISYBAU whether it is one.
+_JOINT = {"a": "1", "1": "1", "true": "1", "0": "0", "false": "0"}
+_LARGEST = 9999.99
 _COLLECTIVE = "ZUS01"
 
 
@@ -173,7 +176,7 @@ def _state(one: Observed, edition: str) -> ET.Element:
     _leaf(state, "InspektionsKode", texts["InspektionsKode"], 10)
     for element in ("Charakterisierung1", "Charakterisierung2"):
         _leaf(state, element, texts[element], 10)
-    _leaf(state, "Verbindung", {"A": "1"}.get(texts["Verbindung"], texts["Verbindung"]))
+    _leaf(state, "Verbindung", _JOINT.get(texts["Verbindung"].lower(), ""))
     for k in (1, 2):
         _quantity(state, k, one)
     continuous = one["continuous"]
@@ -209,8 +212,9 @@ def _quantity(state: ET.Element, k: int, one: Observed) -> None:
     kind = one.fields.get(f"Quantifizierung{k}")
     if kind is None and value:
         try:
-            kind, value = "Numerisch", f"{float(value):.2f}"
+            size = float(value)
         except ValueError:
-            kind = "Text"
+            size = np.inf
+        kind, value = ("Numerisch", f"{size:.2f}") if abs(size) <= _LARGEST else ("Text", value)
     if kind:
         _leaf(state, f"Quantifizierung{k}{kind}", value, 30)
