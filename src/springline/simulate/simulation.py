@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Callable, Iterator
 from importlib.metadata import version
+from itertools import chain, islice
 from pathlib import Path
 
 import xarray as xr
@@ -12,6 +13,7 @@ import xarray as xr
 from ..survey import Survey, add_assumption, save_blocks
 from ..survey.files import replacing
 from .camera import Footage
+from .camera.outlines import outline_blocks
 from .camera.writing import write_frames
 from .depth import depth_cloud
 from .inertial import inertial_blocks
@@ -23,7 +25,7 @@ from .world import World, set_up
 
 Blocks = Iterator[dict[str, xr.Dataset]]
 
-GROWING = ("ring", "ring_rear", "sample")
+GROWING = ("ring", "ring_rear", "sample", "station", "outline", "outline_point")
 """Dims along which a survey comes in blocks; every other variable stands in one block alone."""
 
 
@@ -118,8 +120,10 @@ def _stream(path: Path, world: World, frames_in: str, force: bool, progress: Cal
 def blocks(world: World, frames_in: str = "frames") -> Blocks:
     """Yield the survey's groups in blocks; the first holds a part of every group; frames lie in `frames_in`."""
     scenario = world.scenario
-    truth = [pipe_truth(world)]
+    stations = pipe_truth(world)
+    truth = [next(stations)]
     first: dict[str, xr.Dataset] = {}
+    known: Iterator[xr.Dataset] = stations
     if scenario.ties is not None:
         first["ties"], more = ties(world)
         truth.append(more)
@@ -127,7 +131,10 @@ def blocks(world: World, frames_in: str = "frames") -> Blocks:
         footage = Footage(world)
         first["frames"] = footage.frames(frames_in)
         first["calibration"] = xr.Dataset(attrs={"lens": json.dumps({footage.camera.name: footage.lens_table()})})
-        truth.append(xr.Dataset({f"frame_{name}": ("frame", one) for name, one in footage.poses().items()}))
+        truth.append(footage.truth())
+        outlines = outline_blocks(footage)
+        truth += islice(outlines, 1)
+        known = chain(stations, outlines)
     if scenario.depth_camera is not None:
         first["points"], more = depth_cloud(world)
         truth.append(more)
@@ -138,6 +145,8 @@ def blocks(world: World, frames_in: str = "frames") -> Blocks:
         first[name], more = next(stream)
         truth.append(more)
     yield first | {"truth": xr.merge(truth, combine_attrs="drop_conflicts")}
+    for more in known:
+        yield {"truth": more}
     for name, stream in streams.items():
         for data, more in stream:
             yield {name: data, "truth": more}

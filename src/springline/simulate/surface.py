@@ -10,22 +10,22 @@ from numba import njit
 from .wall import BUMP, FLOOR, JOINT, VARYING_LOBE, WALL, Wall
 
 
-@njit(cache=True)
-def _section(pieces, theta, c, s):
-    """Return the radius of one section at bearing theta in [0, 2 pi), whose cosine and sine are c and s."""
+@njit(cache=True, forceinline=True, _nrt=False)
+def _section(pieces, n, theta, c, s):
+    """Return the radius of section n at bearing theta in [0, 2 pi), whose cosine and sine are c and s."""
     k = 0
-    while k + 1 < pieces.shape[0] and pieces[k + 1, 0] <= theta:
+    while k + 1 < pieces.shape[1] and pieces[n, k + 1, 0] <= theta:
         k += 1
-    p = pieces[k, 1] * c * c + pieces[k, 2] * c * s + pieces[k, 3] * s * s
-    q = pieces[k, 4] * c + pieces[k, 5] * s
-    root = sqrt(max(q * q - 4.0 * p * pieces[k, 6], 0.0))
+    p = pieces[n, k, 1] * c * c + pieces[n, k, 2] * c * s + pieces[n, k, 3] * s * s
+    q = pieces[n, k, 4] * c + pieces[n, k, 5] * s
+    root = sqrt(max(q * q - 4.0 * p * pieces[n, k, 6], 0.0))
     if q > 0.0:
-        return -2.0 * pieces[k, 6] / (q + root)
+        return -2.0 * pieces[n, k, 6] / (q + root)
     return (root - q) / (2.0 * p)
 
 
-@njit(cache=True)
-def _lattice(i, j, seed):
+@njit(cache=True, _nrt=False)
+def lattice(i, j, seed):
     """Return a number of unit variance, always the same at one lattice point: splitmix64 of its indices."""
     h = np.uint64(i) * np.uint64(0x9E3779B97F4A7C15) ^ np.uint64(j) * np.uint64(0xC2B2AE3D27D4EB4F) ^ seed
     h = (h ^ (h >> np.uint64(30))) * np.uint64(0xBF58476D1CE4E5B9)
@@ -34,7 +34,7 @@ def _lattice(i, j, seed):
     return (float(h >> np.uint64(11)) / 9007199254740992.0 - 0.5) * sqrt(12.0)
 
 
-@njit(cache=True)
+@njit(cache=True, _nrt=False)
 def _weight(k, f):
     """Return weight k, 0 to 3, of the uniform cubic B-spline at share f of a step."""
     if k == 0:
@@ -46,7 +46,7 @@ def _weight(k, f):
     return f**3 / 6.0
 
 
-@njit(cache=True)
+@njit(cache=True, _nrt=False)
 def _relief(x, theta, roughness):
     """Return the wall's roughness [m]: a cubic B-spline over random lattice values, periodic in bearing."""
     around = int(roughness.around)
@@ -55,19 +55,19 @@ def _relief(x, theta, roughness):
     total = 0.0
     for a in range(4):
         for b in range(4):
-            value = _lattice(i + a - 1, (j + b - 1) % around, roughness.seed)
+            value = lattice(i + a - 1, (j + b - 1) % around, roughness.seed)
             total += _weight(a, u - i) * _weight(b, v - j) * value
     # 151/315 is the mean of the squared weights along one direction: it restores the stated rms.
     return roughness.rms * total / (151.0 / 315.0)
 
 
-@njit(cache=True)
+@njit(cache=True, _nrt=False)
 def _window(u):
     """Return 1 at u = 0 falling to 0, with its slope, at |u| = 1."""
     return cos(0.5 * pi * u) ** 2 if abs(u) < 1.0 else 0.0
 
 
-@njit(cache=True)
+@njit(cache=True, _nrt=False)
 def _ramp(x, start, end, ramp):
     """Return 1 between start and end, smoothly down to 0 over `ramp` inside both ends."""
     if x <= start or x >= end:
@@ -79,7 +79,7 @@ def _ramp(x, start, end, ramp):
     return u * u * (3.0 - 2.0 * u)
 
 
-@njit(cache=True)
+@njit(cache=True, forceinline=True, _nrt=False)
 def _bare(wall, cell, x, theta, c, s):
     """Return the radius of the section alone, blended between its knots, with its harmonics."""
     first, count = wall.cells[cell].first, wall.cells[cell].count
@@ -88,9 +88,9 @@ def _bare(wall, cell, x, theta, c, s):
         u = (x - wall.cells[cell].chainage) / wall.cells[cell].step
         k = min(max(floor(u), 0), count - 2)
         w = min(max(u - k, 0.0), 1.0)
-    rho = _section(wall.pieces[first + k], theta, c, s)
+    rho = _section(wall.pieces, first + k, theta, c, s)
     if w > 0.0:
-        rho += w * (_section(wall.pieces[first + k + 1], theta, c, s) - rho)
+        rho += w * (_section(wall.pieces, first + k + 1, theta, c, s) - rho)
     for n in range(wall.orders.shape[0]):
         a, b = wall.harmonics[first + k, n, 0], wall.harmonics[first + k, n, 1]
         if w > 0.0:
@@ -100,14 +100,14 @@ def _bare(wall, cell, x, theta, c, s):
     return rho
 
 
-@njit(cache=True)
+@njit(cache=True, _nrt=False)
 def _at(wall, cell, x, theta):
     """Return the bare section's radius at any bearing."""
     theta -= 2.0 * pi * floor(theta / (2.0 * pi))
     return _bare(wall, cell, x, theta, cos(theta), sin(theta))
 
 
-@njit(cache=True)
+@njit(cache=True, _nrt=False)
 def _varying_lobe(wall, cell, x, turn, row):
     """Return the radius of the varying-amplitude lobe `turn` from its middle: (k1 - kappa |t/phi|^p) cos + k3.
 
@@ -124,7 +124,7 @@ def _varying_lobe(wall, cell, x, turn, row):
     return (k1 - kappa * u**power) * cos(0.5 * pi * u) + k3
 
 
-@njit(cache=True)
+@njit(cache=True, _nrt=False)
 def wall_at(wall, cell, x, y, z, h):
     """Return the wall's radius and kind at chainage x in the direction of (z, y), whose length is h."""
     if h == 0.0:

@@ -6,6 +6,7 @@ All of it is told as travelled: chainages run from where the robot enters, beari
 from __future__ import annotations
 
 import json
+from collections.abc import Iterator
 
 import numpy as np
 import xarray as xr
@@ -24,27 +25,37 @@ WALL_BEARINGS = 360
 _FINE = 1440
 
 
-def pipe_truth(world: World) -> xr.Dataset:
-    """Return the truth that does not depend on any sensor: stations, features, ties and settings."""
-    data = _stations(world) | _features(world)
+BLOCK = 1024
+"""Stations per block."""
+
+
+def pipe_truth(world: World) -> Iterator[xr.Dataset]:
+    """Yield the truth that does not depend on any sensor: features, settings and a first block of stations; then the
+    other stations, block by block."""
     kinds = " ".join(f"{code}={name}" for code, name in enumerate(HIT_KINDS))
     shapes = ", ".join(f"{code}={name}" for code, name in enumerate(SHAPES))
-    return xr.Dataset(
-        data,
-        attrs={
-            "hit_kinds": kinds,
-            "shapes": shapes,
-            "scenario": json.dumps(world.scenario.model_dump(mode="json", exclude_defaults=True)),
-            "seed": world.seed,
-        },
-    )
+    attrs = {
+        "hit_kinds": kinds,
+        "shapes": shapes,
+        "scenario": json.dumps(world.scenario.model_dump(mode="json", exclude_defaults=True)),
+        "seed": world.seed,
+    }
+    features = {f"feature_{name}": ("feature", column) for name, column in feature_table(world).items()}
+    features["wall_bearing"] = ("wall_bearing", _bearings(WALL_BEARINGS))
+    count = int(np.floor(world.route.length / world.scenario.truth_spacing + 1e-9)) + 1
+    for first in range(0, count, BLOCK):
+        travelled = np.arange(first, min(first + BLOCK, count)) * world.scenario.truth_spacing
+        stations = _stations(world, travelled)
+        yield xr.Dataset(stations | features, attrs=attrs) if first == 0 else xr.Dataset(stations)
 
 
-def _stations(world: World) -> dict[str, tuple[object, np.ndarray]]:
+def _bearings(count: int) -> np.ndarray:
+    return np.arange(count) * (2.0 * np.pi / count)
+
+
+def _stations(world: World, travelled: np.ndarray) -> dict[str, tuple[object, np.ndarray]]:
     """Return the axis and the section, without what stands on it, at stations; and the wall with everything."""
     route = world.route
-    count = int(np.floor(route.length / world.scenario.truth_spacing + 1e-9)) + 1
-    travelled = np.arange(count) * world.scenario.truth_spacing
     s = route.chainage(travelled)
     point, frame = route.at(travelled)
     cell = route.centreline.index(s)
@@ -64,17 +75,10 @@ def _stations(world: World) -> dict[str, tuple[object, np.ndarray]]:
 
 def _sections(world: World, s: np.ndarray, cell: np.ndarray) -> dict[str, tuple[object, np.ndarray]]:
     """Return the true wall with everything on it, and what the bare section measures on 1440 radii."""
-    coarse, fine = (np.arange(n) * (2.0 * np.pi / n) for n in (WALL_BEARINGS, _FINE))
-    seen, across = (world.route.bearing(theta)[None] for theta in (coarse, fine))
-    wall = np.empty((s.size, WALL_BEARINGS), np.float32)
-    rows: dict[str, list[np.ndarray]] = {}
-    for first in range(0, s.size, 2048):
-        part = slice(first, first + 2048)
-        wall[part] = radius_of_wall(world.wall, cell[part], s[part], seen, False)
-        for name, value in measure(radius_of_wall(world.wall, cell[part], s[part], across, True)).items():
-            rows.setdefault(name, []).append(value)
-    out: dict[str, tuple[object, np.ndarray]] = {k: ("station", np.concatenate(v)) for k, v in rows.items()}
-    out["wall_bearing"] = ("wall_bearing", coarse)
+    seen, across = (world.route.bearing(_bearings(n))[None] for n in (WALL_BEARINGS, _FINE))
+    wall = radius_of_wall(world.wall, cell, s, seen, False).astype(np.float32)
+    measured = measure(radius_of_wall(world.wall, cell, s, across, True))
+    out: dict[str, tuple[object, np.ndarray]] = {name: ("station", value) for name, value in measured.items()}
     out["wall_radius"] = (("station", "wall_bearing"), wall)
     return out
 
@@ -92,7 +96,7 @@ def _parameters(world: World, s: np.ndarray) -> dict[str, tuple[object, np.ndarr
     return {name: ("station", value) for name, value in out.items()}
 
 
-def _features(world: World) -> dict[str, tuple[str, np.ndarray]]:
+def feature_table(world: World) -> dict[str, np.ndarray]:
     """Return what stands on the wall, in order: kind as the code of a hit, chainage, bearing, size, length, depth."""
     pipe, route = world.scenario.pipe, world.route
     radius = 0.5 * pipe.diameter
@@ -123,7 +127,7 @@ def _features(world: World) -> dict[str, tuple[str, np.ndarray]]:
         # From the other end the next pipe is the one before: a step up is one down, a turn right one to the left.
         table[:, [6, 9]] *= -1.0
     table = table[np.argsort(table[:, 1], kind="stable")]
-    return {f"feature_{name}": ("feature", column) for name, column in zip(names, table.T, strict=True)}
+    return dict(zip(names, table.T, strict=True))
 
 
 _NONE = (np.nan, np.nan, np.nan, np.nan)

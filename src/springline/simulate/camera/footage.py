@@ -13,19 +13,24 @@ from ...conventions import bearing_from_clock
 from ...errors import ParameterError
 from .. import optics
 from ..attitude import in_pipe
+from ..cast import cast_rays
 from ..path import in_travel_frame
 from ..reading import load
 from ..scenario import Scenario
+from ..truth import feature_table
 from ..wall import Roughness, Wall, build
 from ..world import World, set_up
 from .lens import LensModel, lens_of
 from .light import AIR, LAMP, LASER
 from .looks import decal_records, look_record
+from .outlines import Edge, Outline, edges_of, outlines_in
 from .picture import develop, dimming
 from .render import Scene, render
 
 _SIGMA_OF_WIDTH = 1.0 / (2.0 * np.sqrt(2.0 * np.log(2.0)))
 _SAMPLES = 2
+_SPARE = 2.0
+_RING = 360
 
 
 class Footage:
@@ -97,6 +102,15 @@ class Footage:
         wall, scene = self._near(index)
         return render(wall, scene, self.origin[index], self.cell[index], self.axes[index], self._rays, _SAMPLES)
 
+    def outlines(self, index: int) -> list[Outline]:
+        """Return the true outlines of laterals and joints of which something is seen in frame `index`."""
+        return outlines_in(self, range(len(self))[index])
+
+    @cached_property
+    def edges(self) -> list[Edge]:
+        """Every edge of a lateral or joint, as curves on Earth."""
+        return edges_of(self.world, feature_table(self.world))
+
     def frames(self, folder: str = "frames") -> xr.Dataset:
         """Return the group `/frames`; paths lie in `folder`, which stands beside whatever lists them."""
         names = [f"{folder}/{self.file(k)}" for k in range(len(self))]
@@ -133,12 +147,12 @@ class Footage:
             table["laser_ahead_m"] = camera.laser.ahead
         return table
 
-    def poses(self) -> dict[str, np.ndarray]:
-        """Return the camera's true pose at each frame: in the pipe as travelled, and on Earth."""
+    def truth(self) -> xr.Dataset:
+        """Return the camera's true pose at each frame: in the pipe as travelled, and on Earth; and the laser's ring."""
         point, frame = self.world.route.at(self.chainage)
         off = np.einsum("nij,nj->ni", frame, self.origin - point)
         pitch, yaw, roll = in_travel_frame(self.axes, frame)
-        return {
+        poses = {
             "chainage": self.chainage,
             "offset_y": off[:, 1],
             "offset_z": off[:, 2],
@@ -149,6 +163,22 @@ class Footage:
             "northing": self.origin[:, 1],
             "elevation": self.origin[:, 2],
         }
+        out = xr.Dataset({f"frame_{name}": ("frame", value) for name, value in poses.items()})
+        if self.camera.laser is None:
+            return out
+        ring = self.laser_ring()
+        bearing = np.arange(ring.shape[1]) * (2.0 * np.pi / ring.shape[1])
+        return out.assign(laser_bearing=("laser_bearing", bearing), laser_range=(("frame", "laser_bearing"), ring))
+
+    def laser_ring(self) -> np.ndarray:
+        """Return the true range [m] (frames, 360) from the laser's source to the wall, in its plane, by bearing."""
+        source, axes = self.laser_pose(np.arange(len(self)))
+        theta = np.radians(np.arange(_RING))
+        ways = np.cos(theta)[:, None] * axes[:, None, 2] + np.sin(theta)[:, None] * axes[:, None, 1]
+        camera: optics.Camera = self.camera
+        ahead = camera.position[0] + (camera.laser.ahead if camera.laser else 0.0)
+        cell = self.world.route.centreline.find(source, self.world.route.chainage(self.travelled + ahead))
+        return cast_rays(self.world.wall, source, cell, ways, 20.0 * self.world.pipe.radius)[0]
 
     @cached_property
     def _rays(self) -> np.ndarray:
@@ -171,19 +201,22 @@ class Footage:
         pieces = np.cumsum([cell.joint for cell in cells]).astype(np.int64)
         return look_record(pipe), decal_records(pipe, bearing_from_clock), pieces
 
-    def _near(self, index: int) -> tuple[Wall, Scene]:
-        """Return the wall with the laterals in sight of frame `index`, and what lights it and lies on it."""
-        look, decals, pieces = self._painted
-        reach = self.camera.sight + 1.0
+    def in_sight(self, index: int) -> Wall:
+        """Return the wall with the laterals that lie in sight of frame `index`."""
         here = float(self.world.route.chainage(self.travelled[index]))
-        wall = self._wall
-        tubes = wall.laterals[np.abs(wall.laterals["chainage"] - here) < reach + 1.0]
-        decals = decals[np.abs(decals["chainage"] - here) < reach]
+        tubes = self._wall.laterals
+        return self._wall._replace(laterals=tubes[np.abs(tubes["chainage"] - here) < self.camera.sight + _SPARE])
+
+    def _near(self, index: int) -> tuple[Wall, Scene]:
+        """Return the wall in sight of frame `index`, and what lights it and lies on it."""
+        look, decals, pieces = self._painted
+        here = float(self.world.route.chainage(self.travelled[index]))
+        decals = decals[np.abs(decals["chainage"] - here) < self.camera.sight + _SPARE]
         air = np.zeros(1, AIR)
         air["haze"], air["ambient"] = self.camera.dust.haze, self.camera.ambient if self.camera.lamp else 0.0
         air["sight"], air["seed"] = self.camera.sight, 1000003 * self.world.seed + index
         scene = Scene(look, decals, pieces, self._lamps(index), self._laser(index), air)
-        return wall._replace(laterals=tubes), scene
+        return self.in_sight(index), scene
 
     @cached_property
     def _wall(self) -> Wall:
@@ -199,7 +232,7 @@ class Footage:
             out[k]["beam"] = (in_pipe(np.radians(lamp.pitch_deg), np.radians(lamp.yaw_deg), 0.0) @ axes)[0]
             out[k]["power"] = lamp.power / whole
             half = np.cos(np.radians(min(lamp.half_angle_deg, 89.0)))
-            out[k]["exponent"] = np.log(0.5) / np.log(half)
+            out[k]["exponent"] = round(np.log(0.5) / np.log(half), 9)
         return out
 
     def laser_pose(self, index: np.ndarray | int) -> tuple[np.ndarray, np.ndarray]:

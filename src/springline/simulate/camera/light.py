@@ -2,18 +2,15 @@
 
 from __future__ import annotations
 
-from math import atan2, exp, pi, sqrt
+from math import atan2, exp, isnan, pi, sqrt
 
 import numpy as np
 from numba import njit
 
 from ..cast import SECTION, cast_one, locate
-from ..wall import NOTHING, WATER
+from ..wall import WATER
 from .noise import value_noise
-from .surfaces import colour_at, normal_at
-
-CLOSE = 2e-7
-"""How far from the wall a picture's ray may end [m]."""
+from .surfaces import CLOSE, colour_at, meet
 
 LAMP = np.dtype([("place", "f8", 3), ("beam", "f8", 3), ("power", "f8"), ("exponent", "f8")])
 """A lamp on Earth: place, unit beam, share of the light, exponent of the cosine off its beam."""
@@ -28,7 +25,7 @@ AIR = np.dtype([("haze", "f8"), ("ambient", "f8"), ("sight", "f8"), ("seed", "u8
 """Haze [1/m], light from all round, how far one sees [m], seed of the picture's speckle."""
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", _nrt=False)
 def _lamps(scene, point, normal, way, gloss, t):
     """Return diffuse and mirrored light at a point, in the lamps' unit."""
     look, air = scene.look[0], scene.air[0]
@@ -45,17 +42,19 @@ def _lamps(scene, point, normal, way, gloss, t):
         facing = lx * normal[0] + ly * normal[1] + lz * normal[2]
         if beam <= 0.0 or facing <= 0.0:
             continue
-        strength = lamp.power * unit * beam**lamp.exponent / d2
+        spread = beam if lamp.exponent == 1.0 else beam**lamp.exponent
+        strength = lamp.power * unit * spread / d2
         diffuse += strength * facing
         if gloss > 0.0:
             hx, hy, hz = lx - way[0], ly - way[1], lz - way[2]
             h = (hx * normal[0] + hy * normal[1] + hz * normal[2]) / sqrt(hx * hx + hy * hy + hz * hz)
-            if h > 0.0:
+            # Beyond, less than a thousandth of the glint is left.
+            if look.shine * (1.0 - h) < 7.0:
                 mirrored += gloss * strength * h**look.shine * (look.shine + 8.0) / 25.0
     return diffuse, mirrored
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", _nrt=False)
 def _line(wall, laser, point, normal, spans, row, column, seed, s, theta, radius):
     """Return how bright the laser's ring is at a point."""
     dx, dy, dz = point[0] - laser.source[0], point[1] - laser.source[1], point[2] - laser.source[2]
@@ -92,7 +91,7 @@ def _line(wall, laser, point, normal, spans, row, column, seed, s, theta, radius
     return laser.power * value * facing * radius / d
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", _nrt=False)
 def _solid(wall, scene, point, way, t, kind, cell, part, normal, edges, row, column):
     """Return the light (red, green, blue) that comes back from anything but water."""
     look, air = scene.look[0], scene.air[0]
@@ -123,7 +122,7 @@ def _solid(wall, scene, point, way, t, kind, cell, part, normal, edges, row, col
     return r, g, b
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", _nrt=False)
 def _span(n, edge, way, normal, t, slant):
     """Return how far the laser plane's coordinate runs across a pixel's edge, on the plane that touches the wall."""
     across = (edge[0] * normal[0] + edge[1] * normal[1] + edge[2] * normal[2]) / slant
@@ -131,7 +130,7 @@ def _span(n, edge, way, normal, t, slant):
     return t * (x * n[0] + y * n[1] + z * n[2])
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", _nrt=False)
 def _tilted(x, normal, ahead, aside):
     """Return the normal tilted by slopes along the pipe and around it."""
     along = x[0] * normal[0] + x[1] * normal[1] + x[2] * normal[2]
@@ -148,7 +147,7 @@ def _tilted(x, normal, ahead, aside):
     return nx / size, ny / size, nz / size
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", _nrt=False)
 def light_of(wall, scene, origin, way, t, kind, cell, part, normal, edges, row, column):
     """Return the light (red, green, blue) that reaches a pixel along a ray that has met something at range t."""
     air = scene.air[0]
@@ -165,13 +164,15 @@ def light_of(wall, scene, origin, way, t, kind, cell, part, normal, edges, row, 
         start = (point[0] + 1e-5 * normal[0], point[1] + 1e-5 * normal[1], point[2] + 1e-5 * normal[2])
         share = 0.03 + 0.97 * max(0.0, 1.0 + dip) ** 5
         r, g, b = 0.35 * (1.0 - share) * r, 0.35 * (1.0 - share) * g, 0.35 * (1.0 - share) * b
-        far, kind2, cell2, part2 = np.nan, NOTHING, cell, SECTION
-        if share > 0.06:
-            ray = (start[0], start[1], start[2], back[0], back[1], back[2])
-            far, kind2, _, cell2, part2 = cast_one(wall, cell, ray, 12.0 * scene.look[0].radius, CLOSE)
-        if far > 0.0 and kind2 != WATER:
+        # A laser is so bright that its mirror image shows wherever one looks on water.
+        if share > (0.02 if scene.laser.shape[0] else 0.06):
+            far, kind2, cell2, part2, normal2 = meet(wall, cell, start, back, 12.0 * scene.look[0].radius)
+            if isnan(far) or kind2 == WATER:
+                share = 0.0
+        else:
+            share = 0.0
+        if share > 0.0:
             there = (start[0] + far * back[0], start[1] + far * back[1], start[2] + far * back[2])
-            normal2 = normal_at(wall, cell2, part2, there, back)
             mr, mg, mb = _solid(wall, scene, there, back, t + far, kind2, cell2, part2, normal2, edges, row, column)
             r, g, b = r + share * mr, g + share * mg, b + share * mb
     if air.haze > 0.0:

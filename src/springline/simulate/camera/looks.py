@@ -27,7 +27,7 @@ DECAL = np.dtype(
 _LOOKS = {
     "clay": {
         "colour": (0.52, 0.25, 0.115), "other": (0.40, 0.21, 0.12), "mottle": 0.09, "mottle_size": 0.15,
-        "grain": 0.045, "grain_size": 0.004, "streak": 0.03, "pores": 0.25, "bump": 0.05, "gloss": 0.10, "shine": 30.0,
+        "grain": 0.045, "grain_size": 0.004, "streak": 0.03, "pores": 0.12, "bump": 0.05, "gloss": 0.10, "shine": 30.0,
         "tint": 0.08,
     },
     "concrete": {

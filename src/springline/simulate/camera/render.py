@@ -8,10 +8,10 @@ from typing import NamedTuple
 import numpy as np
 from numba import njit, prange
 
-from ..cast import FACE, SECTION, cast_one, gap_at
-from ..wall import JOINT, NOTHING, WATER
-from .light import CLOSE, light_of
-from .surfaces import normal_at
+from ..cast import FACE
+from ..wall import JOINT, NOTHING, Wall
+from .light import light_of
+from .surfaces import meet
 
 BLOCK = 4
 """Pixels between nodes of the coarse grid."""
@@ -29,7 +29,7 @@ class Scene(NamedTuple):
     air: np.ndarray
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", _nrt=False)
 def _turned(axes, x, y, z):
     """Return a direction in camera axes on Earth."""
     return (
@@ -39,7 +39,7 @@ def _turned(axes, x, y, z):
     )
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", _nrt=False)
 def _edges(axes, rays, i, j):
     """Return how the direction changes from one column, and from one row, to the next."""
     i2, j2 = (i + 1, i) if i + 1 < rays.shape[0] else (i, i - 1), (j + 1, j) if j + 1 < rays.shape[1] else (j, j - 1)
@@ -49,24 +49,7 @@ def _edges(axes, rays, i, j):
     return du, _turned(axes, a[0] - b[0], a[1] - b[1], a[2] - b[2])
 
 
-@njit(cache=True, error_model="numpy")
-def _meet(wall, start, origin, way, sight):
-    """Return range, kind, cell, part and normal of the first thing that a ray meets."""
-    ray = (origin[0], origin[1], origin[2], way[0], way[1], way[2])
-    t, kind, _, cell, part = cast_one(wall, start, ray, sight, CLOSE)
-    if isnan(t):
-        return t, NOTHING, cell, part, (0.0, 0.0, 0.0)
-    point = (origin[0] + t * way[0], origin[1] + t * way[1], origin[2] + t * way[2])
-    if part == FACE:
-        _, there, _ = gap_at(wall, cell, point[0], point[1], point[2], 0.0, 0.0, 0.0, 0.0)
-        if there == WATER:
-            # Where pipes stand apart the water's level is drawn with a step, which is water too.
-            y = wall.cells[cell].y
-            return t, WATER, cell, SECTION, (y[0], y[1], y[2])
-    return t, kind, cell, part, normal_at(wall, cell, part, point, way)
-
-
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", _nrt=False)
 def _pixel(wall, scene, origin, start, axes, rays, i, j, samples):
     """Return the light of one pixel, its rays cast one by one."""
     d = rays[i, j]
@@ -83,7 +66,7 @@ def _pixel(wall, scene, origin, start, axes, rays, i, j, samples):
             x, y, z = base[0] + p * du[0] + q * dv[0], base[1] + p * du[1] + q * dv[1], base[2] + p * du[2] + q * dv[2]
             size = sqrt(x * x + y * y + z * z)
             way = (x / size, y / size, z / size)
-            t, kind, cell, part, normal = _meet(wall, start, origin, way, scene.air[0].sight)
+            t, kind, cell, part, normal = meet(wall, start, origin, way, scene.air[0].sight)
             if isnan(t):
                 continue
             one = light_of(wall, scene, origin, way, t, kind, cell, part, normal, (du, dv), i, j)
@@ -92,8 +75,146 @@ def _pixel(wall, scene, origin, start, axes, rays, i, j, samples):
     return n * r, n * g, n * b
 
 
+@njit(cache=True, error_model="numpy", _nrt=False)
+def _key(kind, cell, part):
+    """Return one number for what a ray has met; equal where it is the same smooth piece of wall."""
+    return (np.int64(cell) * 4096 + part + 2) * 16 + kind
+
+
+@njit(cache=True, error_model="numpy", _nrt=False)
+def _is_smooth(keys, reach, a, b):
+    """Return whether the four nodes around block (a, b) lie on one smooth piece of wall, which then fills it."""
+    key = keys[a, b]
+    if key & 15 == JOINT and (key >> 4) % 4096 != FACE + 2:
+        return False
+    for p in range(2):
+        for q in range(2):
+            if keys[a + p, b + q] != key or isnan(reach[a + p, b + q]):
+                return False
+    return True
+
+
+@njit(cache=True, error_model="numpy", _nrt=False)
+def _is_edge(keys, i, j):
+    """Return whether a pixel's neighbours show something else."""
+    key = keys[i, j]
+    if (i > 0 and keys[i - 1, j] != key) or (j > 0 and keys[i, j - 1] != key):
+        return True
+    return (i + 1 < keys.shape[0] and keys[i + 1, j] != key) or (j + 1 < keys.shape[1] and keys[i, j + 1] != key)
+
+
+@njit(cache=True, error_model="numpy", _nrt=False)
+def _between(reach, normals, a, b, u, v):
+    """Return range and normal at shares u, v of the way across a smooth block."""
+    w00, w01, w10, w11 = (1.0 - u) * (1.0 - v), u * (1.0 - v), (1.0 - u) * v, u * v
+    # On a plane 1/range is all but straight across the picture, on a pipe's wall nearly so.
+    t = 1.0 / (w00 / reach[a, b] + w01 / reach[a, b + 1] + w10 / reach[a + 1, b] + w11 / reach[a + 1, b + 1])
+    x = (
+        w00 * normals[a, b, 0]
+        + w01 * normals[a, b + 1, 0]
+        + w10 * normals[a + 1, b, 0]
+        + w11 * normals[a + 1, b + 1, 0]
+    )
+    y = (
+        w00 * normals[a, b, 1]
+        + w01 * normals[a, b + 1, 1]
+        + w10 * normals[a + 1, b, 1]
+        + w11 * normals[a + 1, b + 1, 1]
+    )
+    z = (
+        w00 * normals[a, b, 2]
+        + w01 * normals[a, b + 1, 2]
+        + w10 * normals[a + 1, b, 2]
+        + w11 * normals[a + 1, b + 1, 2]
+    )
+    size = max(sqrt(x * x + y * y + z * z), 1e-12)
+    return t, (x / size, y / size, z / size)
+
+
 @njit(cache=True, parallel=True, error_model="numpy")
-def render(wall, scene, eye, start, axes, rays, samples):
+def _cast(wall, eye, start, axes, rays, step, sight):
+    """Return range, key and normal of what every `step`-th pixel's ray meets, the last row and column included."""
+    height, width = rays.shape[0], rays.shape[1]
+    rows, columns = (height - 1) // step + 2, (width - 1) // step + 2
+    reach, keys = np.full((rows, columns), np.nan), np.full((rows, columns), NOTHING, np.int64)
+    normals = np.zeros((rows, columns, 3))
+    origin = (eye[0], eye[1], eye[2])
+    for a in prange(rows):
+        for b in range(columns):
+            d = rays[min(a * step, height - 1), min(b * step, width - 1)]
+            if isnan(d[0]):
+                continue
+            way = _turned(axes, d[0], d[1], d[2])
+            t, kind, cell, part, n = meet(wall, start, origin, way, sight)
+            reach[a, b], keys[a, b] = t, _key(kind, cell, part)
+            normals[a, b, 0], normals[a, b, 1], normals[a, b, 2] = n[0], n[1], n[2]
+    return reach, keys, normals
+
+
+@njit(cache=True, parallel=True, error_model="numpy")
+def _fill(wall, eye, start, axes, rays, sight, nodes, node_keys):
+    """Return the key of what each pixel shows, and range and normal where its block is not smooth."""
+    height, width = rays.shape[0], rays.shape[1]
+    keys = np.full((height, width), -1, np.int64)
+    reach, normals = np.empty((height, width)), np.empty((height, width, 3))
+    origin = (eye[0], eye[1], eye[2])
+    for a in prange(nodes.shape[0] - 1):
+        for b in range(nodes.shape[1] - 1):
+            smooth = _is_smooth(node_keys, nodes, a, b)
+            for i in range(a * BLOCK, min((a + 1) * BLOCK, height)):
+                for j in range(b * BLOCK, min((b + 1) * BLOCK, width)):
+                    if smooth:
+                        keys[i, j] = node_keys[a, b]
+                        continue
+                    d = rays[i, j]
+                    if isnan(d[0]):
+                        continue
+                    way = _turned(axes, d[0], d[1], d[2])
+                    t, kind, cell, part, n = meet(wall, start, origin, way, sight)
+                    reach[i, j], keys[i, j] = t, _key(kind, cell, part)
+                    normals[i, j, 0], normals[i, j, 1], normals[i, j, 2] = n[0], n[1], n[2]
+    return reach, keys, normals
+
+
+@njit(cache=True, parallel=True, error_model="numpy")
+def _shade(wall, scene, eye, start, axes, rays, samples, nodes, node_keys, node_normals, reach, keys, normals):
+    """Return the light on each pixel, given what it shows."""
+    height, width = rays.shape[0], rays.shape[1]
+    origin = (eye[0], eye[1], eye[2])
+    out = np.zeros((height, width, 3), np.float32)
+    for a in prange(nodes.shape[0] - 1):
+        top, low = a * BLOCK, min((a + 1) * BLOCK, height - 1)
+        for b in range(nodes.shape[1] - 1):
+            left, right = b * BLOCK, min((b + 1) * BLOCK, width - 1)
+            smooth = _is_smooth(node_keys, nodes, a, b)
+            for i in range(top, min(top + BLOCK, height)):
+                for j in range(left, min(left + BLOCK, width)):
+                    key = keys[i, j]
+                    if key < 0:
+                        continue
+                    if not smooth and _is_edge(keys, i, j):
+                        r, g, bl = _pixel(wall, scene, origin, start, axes, rays, i, j, samples)
+                        out[i, j, 0], out[i, j, 1], out[i, j, 2] = r, g, bl
+                        continue
+                    if smooth:
+                        u, v = (j - left) / max(right - left, 1), (i - top) / max(low - top, 1)
+                        t, normal = _between(nodes, node_normals, a, b, u, v)
+                    else:
+                        t, normal = reach[i, j], (normals[i, j, 0], normals[i, j, 1], normals[i, j, 2])
+                        if isnan(t):
+                            continue
+                    d = rays[i, j]
+                    way = _turned(axes, d[0], d[1], d[2])
+                    edges = _edges(axes, rays, i, j)
+                    kind, part, cell = key & 15, (key >> 4) % 4096 - 2, key >> 16
+                    r, g, bl = light_of(wall, scene, origin, way, t, kind, cell, part, normal, edges, i, j)
+                    out[i, j, 0], out[i, j, 1], out[i, j, 2] = r, g, bl
+    return out
+
+
+def render(
+    wall: Wall, scene: Scene, eye: np.ndarray, start: int, axes: np.ndarray, rays: np.ndarray, samples: int
+) -> np.ndarray:
     """Return the light (rows, columns, 3) that reaches each pixel; 1 is full scale at unit exposure.
 
     Args:
@@ -105,74 +226,7 @@ def render(wall, scene, eye, start, axes, rays, samples):
         rays: Unit direction of each pixel in camera axes (rows, columns, 3); NaN where the lens shows nothing.
         samples: Rays along each side of a pixel in which something begins or ends.
     """
-    height, width = rays.shape[0], rays.shape[1]
-    rows, columns = (height - 1) // BLOCK + 2, (width - 1) // BLOCK + 2
-    reach = np.full((rows, columns), np.nan)
-    kinds = np.full((rows, columns), NOTHING, np.uint8)
-    cells, parts = np.zeros((rows, columns), np.int64), np.zeros((rows, columns), np.int64)
-    normals = np.zeros((rows, columns, 3))
-    origin = (eye[0], eye[1], eye[2])
-    for a in prange(rows):
-        for b in range(columns):
-            d = rays[min(a * BLOCK, height - 1), min(b * BLOCK, width - 1)]
-            if isnan(d[0]):
-                continue
-            way = _turned(axes, d[0], d[1], d[2])
-            t, kind, cell, part, n = _meet(wall, start, origin, way, scene.air[0].sight)
-            reach[a, b], kinds[a, b], cells[a, b], parts[a, b] = t, kind, cell, part
-            normals[a, b, 0], normals[a, b, 1], normals[a, b, 2] = n[0], n[1], n[2]
-    out = np.zeros((height, width, 3), np.float32)
-    for a in prange(rows - 1):
-        top, low = a * BLOCK, min((a + 1) * BLOCK, height - 1)
-        for b in range(columns - 1):
-            left, right = b * BLOCK, min((b + 1) * BLOCK, width - 1)
-            kind, cell, part = kinds[a, b], cells[a, b], parts[a, b]
-            same, nothing = True, True
-            for p in range(2):
-                for q in range(2):
-                    same &= kinds[a + p, b + q] == kind and cells[a + p, b + q] == cell and parts[a + p, b + q] == part
-                    same &= not isnan(reach[a + p, b + q])
-                    nothing &= isnan(reach[a + p, b + q])
-            same &= kind != JOINT or part == FACE
-            if nothing and kind == NOTHING and top > 0 and left > 0 and isnan(rays[top, left, 0]):
-                continue
-            for i in range(top, min(top + BLOCK, height)):
-                v = (i - top) / max(low - top, 1)
-                for j in range(left, min(left + BLOCK, width)):
-                    if not same:
-                        r, g, bl = _pixel(wall, scene, origin, start, axes, rays, i, j, samples)
-                        out[i, j, 0], out[i, j, 1], out[i, j, 2] = r, g, bl
-                        continue
-                    u = (j - left) / max(right - left, 1)
-                    w00, w01, w10, w11 = (1.0 - u) * (1.0 - v), u * (1.0 - v), (1.0 - u) * v, u * v
-                    # On a plane 1/range is all but straight across the picture, on a pipe's wall nearly so.
-                    t = 1.0 / (
-                        w00 / reach[a, b] + w01 / reach[a, b + 1] + w10 / reach[a + 1, b] + w11 / reach[a + 1, b + 1]
-                    )
-                    x = (
-                        w00 * normals[a, b, 0]
-                        + w01 * normals[a, b + 1, 0]
-                        + w10 * normals[a + 1, b, 0]
-                        + w11 * normals[a + 1, b + 1, 0]
-                    )
-                    y = (
-                        w00 * normals[a, b, 1]
-                        + w01 * normals[a, b + 1, 1]
-                        + w10 * normals[a + 1, b, 1]
-                        + w11 * normals[a + 1, b + 1, 1]
-                    )
-                    z = (
-                        w00 * normals[a, b, 2]
-                        + w01 * normals[a, b + 1, 2]
-                        + w10 * normals[a + 1, b, 2]
-                        + w11 * normals[a + 1, b + 1, 2]
-                    )
-                    size = max(sqrt(x * x + y * y + z * z), 1e-12)
-                    d = rays[i, j]
-                    way = _turned(axes, d[0], d[1], d[2])
-                    edges = _edges(axes, rays, i, j)
-                    r, g, bl = light_of(
-                        wall, scene, origin, way, t, kind, cell, part, (x / size, y / size, z / size), edges, i, j
-                    )
-                    out[i, j, 0], out[i, j, 1], out[i, j, 2] = r, g, bl
-    return out
+    sight = float(scene.air["sight"][0])
+    nodes = _cast(wall, eye, start, axes, rays, BLOCK, sight)
+    filled = _fill(wall, eye, start, axes, rays, sight, *nodes[:2])
+    return _shade(wall, scene, eye, start, axes, rays, samples, *nodes, *filled)

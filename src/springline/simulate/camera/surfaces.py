@@ -2,19 +2,23 @@
 
 from __future__ import annotations
 
-from math import cos, exp, floor, pi, sin, sqrt
+from math import cos, exp, floor, isnan, pi, sin, sqrt
 
 import numpy as np
 from numba import njit
 
-from ..cast import FACE, SECTION, gap_at
-from ..wall import BED, CRACK, DEPOSIT, JOINT, LATERAL
+from ..cast import FACE, SECTION, cast_one, gap_at
+from ..surface import lattice
+from ..wall import BED, CRACK, DEPOSIT, JOINT, LATERAL, NOTHING, WATER
 from .noise import fade, octaves, value_noise
+
+CLOSE = 2e-7
+"""How far from the wall a picture's ray may end [m]."""
 
 _STEP = 2e-5
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", _nrt=False)
 def normal_at(wall, cell, part, point, way):
     """Return the unit normal of what was met at `point`, on the side from which the ray came along `way`."""
     px, py, pz = point
@@ -41,7 +45,24 @@ def normal_at(wall, cell, part, point, way):
     return nx / size, ny / size, nz / size
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", _nrt=False)
+def meet(wall, start, origin, way, sight):
+    """Return range, kind, cell, part and normal of the first thing that a ray meets."""
+    ray = (origin[0], origin[1], origin[2], way[0], way[1], way[2])
+    t, kind, _, cell, part = cast_one(wall, start, ray, sight, CLOSE)
+    if isnan(t):
+        return t, NOTHING, cell, part, (0.0, 0.0, 0.0)
+    point = (origin[0] + t * way[0], origin[1] + t * way[1], origin[2] + t * way[2])
+    if part == FACE:
+        _, there, _ = gap_at(wall, cell, point[0], point[1], point[2], 0.0, 0.0, 0.0, 0.0)
+        if there == WATER:
+            # Where pipes stand apart the water's level is drawn with a step, which is water too.
+            y = wall.cells[cell].y
+            return t, WATER, cell, SECTION, (y[0], y[1], y[2])
+    return t, kind, cell, part, normal_at(wall, cell, part, point, way)
+
+
+@njit(cache=True, error_model="numpy", _nrt=False)
 def _decals(decals, s, theta, radius, footprint):
     """Return the share of light that cracks and stains leave at a place."""
     left = 1.0
@@ -80,7 +101,7 @@ def _decals(decals, s, theta, radius, footprint):
     return left
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", _nrt=False)
 def colour_at(scene, wall, cell, kind, part, s, theta, point, footprint):
     """Return red, green, blue share of light thrown back, gloss, and the wall's slope along and around."""
     look = scene.look[0]
@@ -91,7 +112,11 @@ def colour_at(scene, wall, cell, kind, part, s, theta, point, footprint):
         dx, dy, dz = point[0] - row.mouth[0], point[1] - row.mouth[1], point[2] - row.mouth[2]
         w = dx * row.axis[0] + dy * row.axis[1] + dz * row.axis[2]
         value = octaves(w + 17.0 * part, dx + dy, girth, 0.03, 2, footprint, seed + np.uint64(5))
-        value = (1.0 + 0.15 * value) * exp(-max(w, 0.0) / (2.5 * row.inner))
+        value = 1.0 + 0.15 * value
+        across2 = dx * dx + dy * dy + dz * dz - w * w
+        if 4.0 * across2 < (row.inner + row.outer) ** 2:
+            # Inside it grows dark with the way from its opening.
+            value *= exp(-max(w - row.start, 0.0) / (1.5 * row.inner))
         return value * look.inner[0], value * look.inner[1], value * look.inner[2], 0.05, 0.0, 0.0
     arc = theta * radius
     piece = scene.pieces[cell]
@@ -99,8 +124,10 @@ def colour_at(scene, wall, cell, kind, part, s, theta, point, footprint):
     own = seed + np.uint64(7919 * (piece + 1))
     mottle = octaves(s, arc, girth, look.mottle_size, 3, footprint, own)
     grain = octaves(s, arc, girth, look.grain_size, 2, footprint, own + np.uint64(1))
-    streak = value_noise(s / 1.5, arc / 0.012, max(3, int(girth / 0.012)), own + np.uint64(2)) * fade(0.012, footprint)
-    tint = look.tint * value_noise(piece + 0.5, 0.5, 3, seed)
+    streak = fade(0.012, footprint)
+    if streak > 0.0:
+        streak *= value_noise(s / 1.5, arc / 0.012, max(3, int(girth / 0.012)), own + np.uint64(2))
+    tint = look.tint * lattice(piece, 0, seed)
     light = max(0.25, 1.0 + look.mottle * mottle + look.grain * grain + look.streak * streak + tint)
     if look.pores > 0.0:
         hole = octaves(s, arc, girth, 2.5 * look.grain_size, 1, footprint, own + np.uint64(3))
@@ -112,7 +139,7 @@ def colour_at(scene, wall, cell, kind, part, s, theta, point, footprint):
     gloss = look.gloss
     cover = 0.0
     if look.dirt_most > 0.0:
-        field = octaves(s, arc, girth, 0.6 * radius, 4, footprint, seed + np.uint64(11)) - 0.55 * sin(theta) - 0.25
+        field = octaves(s, arc, girth, 0.6 * radius, 3, footprint, seed + np.uint64(11)) - 0.55 * sin(theta) - 0.25
         cover = look.dirt_most * min(1.0, max(0.0, (field - look.dirt_from) / 0.5))
     if kind in (DEPOSIT, BED):
         cover = 0.85
