@@ -76,6 +76,15 @@ def test_isybau_carries_what_it_does_not_read(tmp_path):
     assert faults(pipe) == []
 
 
+def test_a_later_isybau_file_becomes_2006_without_what_is_carried(tmp_path):
+    survey = sl.read(sample("isybau", tmp_path))
+    root = ET.parse(sl.write(survey, tmp_path / "old.xml", format="isybau-2006")).getroot()
+    ns = "{http://www.ofd-hannover.la/Identifikation}"
+    assert root.find(f"{ns}Version").text == "2006-10" and faults(root) == []
+    other = sl.read(tmp_path / "old.xml").observations
+    assert other["code"].values.tolist() == survey.observations["code"].values.tolist()
+
+
 def test_m150_numbers_with_comma_or_point_and_several_inspections(tmp_path):
     data = sl.read(sample("m150", tmp_path)).observations
     assert data["distance"].values.tolist() == [0.0, 2.5, 1.25]

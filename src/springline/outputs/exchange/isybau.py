@@ -33,6 +33,7 @@ _KEY = "1"
 # EN 13508-2 and M 150 say A at a joint, PACP and ISYBAU whether it is one.
 _JOINT = {"a": "1", "1": "1", "true": "1", "0": "0", "false": "0"}
 _LARGEST = 9999.99
+_LATER = ("Parameter", "Gruppe", "Index")
 _COLLECTIVE = "ZUS01"
 
 
@@ -60,8 +61,9 @@ def write_isybau_2006(survey: Survey, path: Path) -> None:
 def _write(survey: Survey, path: Path, edition: str) -> None:
     found = inspections(survey, "isybau")
     _check(found, path)
-    if is_own(survey, "isybau"):
-        layout = json.loads(survey.observations.attrs["layout"])
+    layout = json.loads(survey.observations.attrs["layout"]) if is_own(survey, "isybau") else {}
+    # A later edition's file written as 2006-10 is made anew: what is carried may not stand in that edition.
+    if layout and (edition != "2006-10" or ["Version", edition] in layout["tree"][1]):
         written = iter(found)
         root = to_element(layout["tree"], lambda _: _own_asset(one, edition) if (one := next(written, None)) else None)
         root.set("xmlns", layout["namespace"] or NAMESPACE)
@@ -185,6 +187,7 @@ def _state(one: Observed, edition: str) -> ET.Element:
     for element, hours in (("PositionVon", one.clock), ("PositionBis", one.clock_to)):
         _leaf(state, element, f"{round(hours) or 12:02d}" if np.isfinite(hours) else "")
     more = [to_element(tree) for tree in one.fields.get("more", [])]
+    more = [x for x in more if edition != "2006-10" or x.tag not in _LATER]
     before = [
         x for x in more if x.tag not in ("FotoSpeichermedium", "Fotonummer", "Klassifizierung", "Gruppe", "Index")
     ]
@@ -199,7 +202,7 @@ def _state(one: Observed, edition: str) -> ET.Element:
 def _video(state: ET.Element, one: Observed, edition: str) -> None:
     """Add the reference into the video, which the schema wants of every state."""
     element = one.fields.get("video")
-    if element:
+    if element and (edition != "2006-10" or element not in _LATER):
         ET.SubElement(state, element).text = one["video"] or None
     elif edition == "2006-10":
         ET.SubElement(state, "Timecode").text = "00000000"
