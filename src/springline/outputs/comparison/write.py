@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 from ...errors import OutputError
 from ...survey.files import replacing
 from ..tables import write_csv
+from ..viewer import compared, render_viewer
 from . import tables
 from .page import render_comparison, render_series
 from .summary import comparison_summary, series_summary
@@ -52,6 +53,9 @@ def _write(found: Comparison, folder: Path) -> None:
     write_csv(tables.changes_table(found), folder / "changes.csv", tables.CHANGE_DECIMALS)
     write_csv(tables.placing_table(found), folder / "placing.csv", tables.PLACE_DECIMALS)
     (folder / "report.html").write_text(render_comparison(found), encoding="utf-8")
+    shown = compared(found)
+    if shown:
+        (folder / "viewer.html").write_text(render_viewer(*shown), encoding="utf-8")
 
 
 def write_series(found: Series, directory: str | Path, *, force: bool = False) -> list[Path]:

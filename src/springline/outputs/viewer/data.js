@@ -88,7 +88,7 @@ function cellColours(survey, mode) {
           result[cell] = survey.reasons[before + 32768];
           continue;
         }
-        departure -= before * tick;
+        departure = (survey.otherLater ? -1 : 1) * (departure - before * tick);
       }
       if (mode === "surface") departure += survey.circle / 2 - fittedRadius(survey, g, k);
       result[cell] = Math.round(Math.max(-1, Math.min(1, departure / limit)) * half + half);

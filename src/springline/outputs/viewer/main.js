@@ -17,7 +17,7 @@ function mapTitle(survey, mode) {
   return {
     shape: `Departure from a circle of ${(survey.circle * 1e3).toFixed(1)} mm`,
     surface: "Departure from the fitted section",
-    difference: `Change since ${survey.otherName}, outward positive`,
+    difference: `Change ${survey.otherLater ? "until" : "since"} ${survey.otherName}, outward positive`,
     other: `${survey.otherName}: departure from the same circle`,
   }[mode];
 }
@@ -234,7 +234,7 @@ async function start() {
   });
 
   if (survey.other) {
-    byId("mode").append(new Option(`change since ${survey.otherName}`, "difference"), new Option(survey.otherName, "other"));
+    byId("mode").append(new Option(`change ${survey.otherLater ? "until" : "since"} ${survey.otherName}`, "difference"), new Option(survey.otherName, "other"));
     document.querySelector('[data-act="beside"]').hidden = false;
   }
   const names = available(survey);

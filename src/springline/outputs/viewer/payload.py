@@ -84,6 +84,7 @@ def pack(results: Results, wall: Unrolled, other: Epoch | None = None) -> tuple[
         "referenceKind": str(results.survey.metrics.attrs.get("reference_kind", "none")),
         "limits": _limits(wall, other),
         "otherName": None if other is None else other.name,
+        "otherLater": other is not None and other.later,
         "joined": -(-results.stations // int(wall.start.size)),
         "palette": [*scale_colours().tolist(), *(list(rgb(colour)) for colour in _reasons().values())],
         "levels": LEVELS,
