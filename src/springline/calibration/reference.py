@@ -104,6 +104,7 @@ def fit_reference(
     *,
     radius_sigma: float = 0.0,
     tilt_sigma: float = TILT_SIGMA,
+    alignment_sigma: float = ALIGNMENT_SIGMA,
     roundness: float = ROUNDNESS_SIGMA,
 ) -> ReferenceFit:
     """Return range scale and boresight from scans of one reference.
@@ -113,9 +114,10 @@ def fit_reference(
         covariance: Of `shapes` [m2] (n, 3, 3).
         radius: Mean radius of the reference [m].
         tilts: Robot's pitch, yaw and roll against the reference's axis [rad] (n, 3); None when nobody measured them:
-            scanner and reference are then taken as aligned within ALIGNMENT_SIGMA, and boresight is not observable.
+            scanner and reference are then taken as aligned within `alignment_sigma`, and boresight is not observable.
         radius_sigma: One-sigma of `radius` [m].
         tilt_sigma: One-sigma of each stated tilt by itself [rad]. What all tilts have wrong in common is boresight.
+        alignment_sigma: One-sigma of each angle between scanner and reference where no tilt tells it [rad].
         roundness: Prior one-sigma of the reference's own ovality terms, over its radius.
 
     Returns:
@@ -146,7 +148,12 @@ def fit_reference(
             break
     residual, slopes, weight = _linear(values, shapes, spread, tilts, radius, tilt_sigma)
     information = np.einsum("nia,nij,njb->ab", slopes, weight, slopes) + np.diag(prior)
-    return _finish(values, np.linalg.inv(information), residual, weight, radius_sigma / radius, stated)
+    found = _finish(values, np.linalg.inv(information), residual, weight, stated)
+    found.covariance[0, 0] += (values[0] * radius_sigma / radius) ** 2
+    if np.isnan(found.values[1:3]).any():
+        # A tilt that nobody knows lengthens the mean radius by a quarter of its square, two angles of it.
+        found.covariance[0, 0] += (0.5 * alignment_sigma**2) ** 2
+    return found
 
 
 def _checked(shapes: ArrayLike, covariance: ArrayLike, tilts: ArrayLike | None) -> tuple[Array, Array, Array, bool]:
@@ -179,9 +186,7 @@ def _linear(
     return shapes - reference_shapes(values, tilts, radius), slopes, np.linalg.inv(whole)
 
 
-def _finish(
-    values: Array, covariance: Array, residual: Array, weight: Array, radius_sigma: float, stated: bool
-) -> ReferenceFit:
+def _finish(values: Array, covariance: Array, residual: Array, weight: Array, stated: bool) -> ReferenceFit:
     from scipy.stats import chi2
 
     square = np.einsum("ni,nij,nj->n", residual, weight, residual)
@@ -195,10 +200,6 @@ def _finish(
     if not consistent:
         covariance = covariance * misfit
     covariance = covariance.copy()
-    covariance[0, 0] += (values[0] * radius_sigma) ** 2
-    if unseen[1] or unseen[2]:
-        # A tilt that nobody knows lengthens the mean radius by a quarter of its square, two angles of it.
-        covariance[0, 0] += (0.5 * ALIGNMENT_SIGMA**2) ** 2
     values = np.where(unseen, np.nan, values)
     covariance[unseen, :] = covariance[:, unseen] = np.nan
     return ReferenceFit(values, covariance, misfit, square / 3.0, freedom, consistent)

@@ -11,7 +11,7 @@ import xarray as xr
 from ..conventions import CALIBRATION_TERMS
 from ..errors import InputError, ParameterError, nearest
 from .noise import fit_noise_law
-from .reference import TILT_SIGMA, fit_reference
+from .reference import ALIGNMENT_SIGMA, TILT_SIGMA, fit_reference
 from .scans import scan_shape
 
 if TYPE_CHECKING:
@@ -24,7 +24,9 @@ if TYPE_CHECKING:
 
 _MOST_SCALE = 0.2
 _NO_TILTS = "no scan was taken at a known tilt, and boresight shows to second order without one"
+_ABOUT_AXIS = "the rings stand about the reference's axis already, so no tilt is left in them"
 _FEW_TILTS = "the tilts do not show it: take scans at tilts of either sign about both axes"
+_FEW_READINGS = "there are too few single readings, or the rings were cut from a cloud and average them"
 _EXACT = "The reference's diameter is taken as exact: neither its sigma nor repeated measures of it are given."
 _ANGLES = ("boresight_pitch", "boresight_yaw", "boresight_roll")
 
@@ -41,7 +43,8 @@ def calibrate_ring(
     """Return the calibration that scans of one reference of known diameter give.
 
     Args:
-        scans: Surveys with `/rings` by name, each of the reference with the scanner's attitude kept.
+        scans: Surveys with `/rings` by name, each of the reference with the scanner's attitude kept; or rings that were
+            cut from a cloud about the reference's axis, which show the scale alone.
         diameter: Inside diameter of the reference [m]; or the diameters that were measured on it, whose mean counts.
         diameter_sigma: One-sigma of the diameter [m]; when not given, that of the mean of the measured diameters, or
             none (and said so) when there is one diameter alone.
@@ -69,6 +72,9 @@ def calibrate_ring(
         raise InputError("there is no scan", expected="scans of a reference of known diameter")
     mean, sigma, notes = _reference(diameter, diameter_sigma)
     shapes = {name: _shape(name, survey) for name, survey in scans.items()}
+    about_axis = _about_axis(scans)
+    if about_axis and tilts is not None:
+        raise InputError(_ABOUT_AXIS, where="tilts", mend="leave the tilts out")
     angles = _angles(tilts, scans)
     found = fit_reference(
         [one.shape for one in shapes.values()],
@@ -77,6 +83,7 @@ def calibrate_ring(
         angles,
         radius_sigma=0.5 * sigma,
         tilt_sigma=tilt_sigma,
+        alignment_sigma=0.0 if about_axis else ALIGNMENT_SIGMA,
     )
     scale = found.values[0]
     if abs(scale - 1.0) > _MOST_SCALE:
@@ -85,9 +92,11 @@ def calibrate_ring(
             expected=f"a range scale within {100 * _MOST_SCALE:.0f} % of one",
             mend="check --diameter and the unit of the ranges",
         )
+    # What is left of a cloud's scatter in its rings is not that of the sensor's readings.
+    read = [] if about_axis else list(shapes.values())
     law = fit_noise_law(
-        np.concatenate([one.ranges for one in shapes.values()]) / scale,
-        np.concatenate([one.deviation for one in shapes.values()]) / scale,
+        np.concatenate([[], *(one.ranges for one in read)]) / scale,
+        np.concatenate([[], *(one.deviation for one in read)]) / scale,
     )
     notes += _notes(found, list(scans))
     return _dataset(found, law, common_tilt_sigma).assign_attrs(
@@ -98,7 +107,7 @@ def calibrate_ring(
         misfit=found.misfit,
         readings=law.readings,
         scans=json.dumps(_listed(scans, shapes, angles)),
-        why_missing=json.dumps(_why(found, law, angles)),
+        why_missing=json.dumps(_why(found, law, _ABOUT_AXIS if about_axis else _no_tilts(angles))),
         notes=json.dumps(notes),
     )
 
@@ -115,6 +124,14 @@ def _reference(diameter: float | Sequence[float], sigma: float | None) -> tuple[
     if measured.size == 1:
         return mean, 0.0, [_EXACT]
     return mean, float(measured.std(ddof=1) / np.sqrt(measured.size)), []
+
+
+def _about_axis(scans: Mapping[str, Survey]) -> bool:
+    """Return whether the rings stand about the reference's axis; refuse scans of both kinds together."""
+    kinds = {survey.rings.attrs.get("referred_to") == "axis" for survey in scans.values()}
+    if len(kinds) > 1:
+        raise InputError("some scans are of rings and some of clouds", expected="one kind of scan at a time")
+    return kinds.pop()
 
 
 def _shape(name: str, survey: Survey) -> ScanShape:
@@ -171,12 +188,15 @@ def _dataset(found: ReferenceFit, law: NoiseLaw, common: float) -> xr.Dataset:
     )
 
 
-def _why(found: ReferenceFit, law: NoiseLaw, angles: np.ndarray | None) -> dict[str, str]:
-    why = {}
-    for k, name in enumerate(_ANGLES):
-        if np.isnan(found.values[1 + k]):
-            why[name] = _NO_TILTS if angles is None or not angles.any() else _FEW_TILTS
-    if np.isnan(law.relative):
+def _no_tilts(angles: np.ndarray | None) -> str:
+    return _NO_TILTS if angles is None or not angles.any() else _FEW_TILTS
+
+
+def _why(found: ReferenceFit, law: NoiseLaw, unseen: str) -> dict[str, str]:
+    why = {name: unseen for k, name in enumerate(_ANGLES) if np.isnan(found.values[1 + k])}
+    if np.isnan(law.constant):
+        why |= dict.fromkeys(("noise_constant", "noise_relative"), _FEW_READINGS)
+    elif np.isnan(law.relative):
         why["noise_relative"] = (
             f"the ranges spread from {1e3 * law.range_low:.4g} to {1e3 * law.range_high:.4g} mm only: put the scanner "
             "off the reference's axis"

@@ -74,11 +74,11 @@ def scan_shape(ranges: ArrayLike, bearings: ArrayLike) -> ScanShape:
 
 
 def ranges_to_ellipse(bearings: ArrayLike, parameters: ArrayLike) -> Array:
-    """Return the ranges (ring, bearing) [m] from the origin to each ring's ellipse.
+    """Return the ranges (ring, bearing) [m] from the origin to each ring's ellipse; NaN where the ray misses it.
 
     Args:
         bearings: (bearing,) [rad].
-        parameters: centre_z, centre_y, mean_radius, oval_cos, oval_sin of each ring [m] (ring, 5), the origin within.
+        parameters: centre_z, centre_y, mean_radius, oval_cos, oval_sin of each ring [m] (ring, 5).
 
     >>> ranges_to_ellipse([0.0, np.pi], [[0.02, 0.0, 0.15, 0.0, 0.0]]).round(6)
     array([[0.17, 0.13]])
@@ -90,4 +90,5 @@ def ranges_to_ellipse(bearings: ArrayLike, parameters: ArrayLike) -> Array:
     along = np.einsum("ib,nij,nj->nb", ray, matrix, p[:, :2])
     square = np.einsum("ib,nij,jb->nb", ray, matrix, ray)
     inside = np.einsum("ni,nij,nj->n", p[:, :2], matrix, p[:, :2])[:, None]
-    return (along + np.sqrt(along**2 + square * (1.0 - inside))) / square
+    with np.errstate(invalid="ignore"):
+        return (along + np.sqrt(along**2 + square * (1.0 - inside))) / square

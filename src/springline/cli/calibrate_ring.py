@@ -51,6 +51,9 @@ def ring(
     unit: reading.Unit = None,
     bearing_zero: reading.BearingZero = None,
     bearing_sense: reading.BearingSense = None,
+    intrinsics: reading.Intrinsics = None,
+    depth_unit: reading.DepthUnit = None,
+    axes: reading.Axes = None,
     sensor: reading.Sensor = None,
     force: Force = False,
     as_json: Json = False,
@@ -71,6 +74,9 @@ def ring(
         "unit": unit,
         "bearing_zero": bearing_zero,
         "bearing_sense": bearing_sense,
+        "intrinsics": intrinsics,
+        "depth_unit": depth_unit,
+        "axes": axes,
         "sensor": sensor,
     }
     measured = [length(text, where="--diameter") for text in diameter]
@@ -92,7 +98,9 @@ def ring(
 
 def _read(paths: list[Path], options: dict[str, Any], diameter: float) -> dict[str, Survey]:
     """Return the scans by file name; the reference's diameter tells the unit of bare ranges, as a nominal one does."""
+    from ..config import Config
     from ..io.reading import read_one
+    from ..stages.rings import rings
 
     wanted = reading.read_options(nominal=f"{diameter:.9f}m", **options)
     surveys: dict[str, Survey] = {}
@@ -100,9 +108,8 @@ def _read(paths: list[Path], options: dict[str, Any], diameter: float) -> dict[s
         if path.name in surveys:
             raise InputError("two scans have this name", where=path.name, mend="rename one of them")
         survey = read_one(path, wanted, strict=False)
-        if not survey.has("rings"):
-            raise InputError("it holds no rings", where=path, expected="a scan of rings as the sensor took them")
-        surveys[path.name] = survey
+        # A cloud is cut into rings about its own axis: it shows the scale, and no boresight.
+        surveys[path.name] = survey if survey.has("rings") else rings(survey, Config())
     return surveys
 
 
@@ -130,7 +137,9 @@ def _tell(found: xr.Dataset, output: Path) -> None:
             value, spread = degrees(float(found[name])), degrees(float(found[f"{name}_sigma"]))
             lines.append(f"{text:<16} {value:+.3f} +- {spread:.3f} deg")
     noise = f"{1e3 * float(found['noise_constant']):.3f} mm"
-    if "noise_relative" in why:
+    if "noise_constant" in why:
+        lines.append(f"noise            not known: {why['noise_constant']}")
+    elif "noise_relative" in why:
         lines.append(f"noise            {noise}; its growth with range is not observable: {why['noise_relative']}")
     else:
         lines.append(f"noise            {noise} and {100 * float(found['noise_relative']):.3f} % of the range")
