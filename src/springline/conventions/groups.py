@@ -424,7 +424,7 @@ GROUPS = {
                     "",
                 ),
                 _v("confidence", "feature", "1", "probability that the feature is there and is of its kind"),
-                _v("source", "feature", "", "rings, images or both", "str"),
+                _v("source", "feature", "", "rings, images or both; by hand where a person added it", "str"),
                 _v("first_ring", "feature", "1", "first ring that shows it; -1 when none does", "int64"),
                 _v("last_ring", "feature", "1", "last ring that shows it; -1 when none does", "int64"),
                 _v("image", "feature", "", "file of the image that shows it best", "str"),
