@@ -159,6 +159,8 @@ def test_complete_report_has_verdicts_limits_layout_liner_corrections_and_pictur
         "ASTM F1216",
     ):
         assert words in text
+    assert report.bends.rows == (("14.99 ± 0.04", "3.00", "30.00 ± 0.45°", "5.73 ± 0.39", "3:00"),)
+    assert "step 2.1 ± 0.8\u00a0mm; kink 0.40 ± 0.20°" in text
     plan = report.plan
     ends = [mark for mark in plan.marks if mark[2] in ("start", "end")]
     wide, high = ends[1][0] - ends[0][0], (ends[0][1] - ends[1][1]) * plan.aspect

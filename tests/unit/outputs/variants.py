@@ -40,6 +40,11 @@ def with_layout(survey):
         "bend_radius_sigma": 0.02 * bend,
     }
     layout = xr.Dataset({name: ("station", values) for name, values in columns.items()}, attrs={"frame": "ties"})
+    for name, value in (("start", 0.5 * x[-1]), ("length", 0.1 * x[-1]), ("angle", np.radians(30.0)), ("towards", 0.0)):
+        layout[f"bend_{name}"] = ("bend", np.array([value]))
+    layout["bend_arc_radius"] = ("bend", np.array([0.1 * x[-1] / np.radians(30.0)]))
+    for name, value in (("start", 0.02), ("angle", 0.004), ("arc_radius", 0.2)):
+        layout[f"bend_{name}_sigma"] = ("bend", np.array([value]))
     time = np.linspace(0.0, 300.0, 50)
     inertial = xr.Dataset({"time": ("sample", time), "gyro": (("sample", "axis"), np.zeros((50, 3)))})
     ends = np.array([x[0], x[-1]])
@@ -62,9 +67,13 @@ def with_joints(survey, spacing=1.0):
             "depth": ("feature", np.full(at.size, 0.004)),
             "confidence": ("feature", np.linspace(0.6, 0.99, at.size)),
             "source": ("feature", np.full(at.size, "rings", object)),
+            "step": ("feature", np.full(at.size, 0.0021)),
+            "step_sigma": ("feature", np.full(at.size, 0.0004)),
+            "kink": ("feature", np.full(at.size, np.radians(0.4))),
+            "kink_sigma": ("feature", np.full(at.size, np.radians(0.1))),
         }
     )
-    return _with(survey, {"features": xr.concat([survey.features, joints], "feature", data_vars="all")})
+    return _with(survey, {"features": xr.concat([survey.features, joints], "feature", data_vars="all", join="outer")})
 
 
 def with_verdicts(survey):

@@ -11,7 +11,7 @@ import numpy as np
 from ...conventions import FIT_STATUS, MASK_REASONS, clock_from_bearing
 from ..summary import summary
 from ..unroll import REASON_WORDS
-from .texts import SIGMAS_95, clock_text, number
+from .texts import SIGMAS_95, clock_text, measured, number
 
 if TYPE_CHECKING:
     from ..results import Results
@@ -58,9 +58,10 @@ def overrides_table(results: Results) -> Table:
     return Table(("Correction", "What", "What it did", "By", "On", "Reason"), rows, frozenset(range(6)))
 
 
-def features_listing(table: Any, scales: Scales) -> Table:
-    """Return the features, numbered as on the maps."""
+def features_listing(results: Results, table: Any, scales: Scales) -> Table:
+    """Return the features, numbered as on the maps; `table` holds the rows of `features.csv`."""
     small, length = scales.small, scales.length
+    further = _further(results, len(table), scales)
     headings = (
         "No.",
         "Kind",
@@ -69,6 +70,7 @@ def features_listing(table: Any, scales: Scales) -> Table:
         f"Size [{small.name}]",
         f"Length [{small.name}]",
         f"Depth [{small.name}]",
+        "Further",
         "Confidence",
         "Source",
         "Image",
@@ -82,13 +84,73 @@ def features_listing(table: Any, scales: Scales) -> Table:
             small.number(row.size_mm / 1e3, 0),
             small.number(row.length_mm / 1e3, 0),
             small.number(row.depth_mm / 1e3, 1),
+            further[k - 1],
             number(row.confidence, 2),
             row.source,
             row.image or "–",
         )
         for k, row in enumerate(table.itertuples(), 1)
     )
-    return Table(headings, rows, frozenset({1, 8, 9}))
+    return Table(headings, rows, frozenset({1, 7, 9, 10}))
+
+
+def _further(results: Results, count: int, scales: Scales) -> list[str]:
+    """Return what else was measured of each feature, with its 95 % interval."""
+    words: list[list[str]] = [[] for _ in range(count)]
+    if not count:
+        return []
+    data = results.survey.features
+    for variable, angle in (("step", False), ("kink", True), ("inclination", True), ("protrusion", False)):
+        if variable not in data:
+            continue
+        sigma = data[f"{variable}_sigma"].values if f"{variable}_sigma" in data else np.full(count, np.nan)
+        for k, (value, half) in enumerate(zip(data[variable].values, SIGMAS_95 * sigma, strict=True)):
+            if isfinite(value):
+                shown = _degrees(value, half) if angle else _small(value, half, scales)
+                words[k].append(f"{variable} {shown}")
+    return ["; ".join(parts) or "–" for parts in words]
+
+
+def _degrees(value: float, half: float) -> str:
+    shown, around = measured(np.degrees(value), np.degrees(half), least=1, most=2)
+    return f"{shown}°" if around == "–" else f"{shown} ± {around}°"
+
+
+def _small(value: float, half: float, scales: Scales) -> str:
+    shown, around = scales.small.measured(value, half, least=1, most=1)
+    return f"{shown}\u00a0{scales.small.name}" if around == "–" else f"{shown} ± {around}\u00a0{scales.small.name}"
+
+
+def bends_table(results: Results, scales: Scales) -> Table:
+    """Return the bends of the layout; without rows when there are none, or no layout."""
+    length = scales.length
+    headings = (
+        f"Begins at [{length.name}]",
+        f"Length [{length.name}]",
+        "Angle [°]",
+        f"Radius [{length.name}]",
+        "Towards",
+    )
+    if not results.survey.has("layout") or "bend_start" not in results.survey.layout:
+        return Table(headings, (), frozenset())
+    data = {name: results.survey.layout[name].values for name in results.survey.layout.variables}
+    none = np.full(data["bend_start"].shape, np.nan)
+
+    def column(name: str) -> np.ndarray:
+        return data.get(name, none)
+
+    clock = clock_from_bearing(column("bend_towards"))
+    rows = tuple(
+        (
+            _placed(column("bend_start")[k], column("bend_start_sigma")[k], scales),
+            length.number(column("bend_length")[k], 2),
+            _degrees(column("bend_angle")[k], SIGMAS_95 * column("bend_angle_sigma")[k]),
+            " ± ".join(length.measured(column("bend_arc_radius")[k], SIGMAS_95 * column("bend_arc_radius_sigma")[k])),
+            clock_text(float(clock[k])) if isfinite(clock[k]) else "–",
+        )
+        for k in range(none.size)
+    )
+    return Table(headings, rows, frozenset())
 
 
 def _placed(chainage: float, sigma: float, scales: Scales) -> str:

@@ -66,6 +66,7 @@ class Report:
     charts: tuple[Chart, ...]
     plan: Plan | None
     layout: tuple[Chart, ...]
+    bends: Table
     missing: tuple[Missing, ...]
     missing_layout: tuple[Missing, ...]
     maps: tuple[Map, ...]
@@ -120,12 +121,13 @@ def make_report(results: Results, wall: Unrolled, config_toml: str) -> Report:
         charts=tuple(charts),
         plan=plan,
         layout=tuple(layout),
+        bends=listings.bends_table(results, scales),
         missing=tuple(missing),
         missing_layout=tuple(missing_layout),
         maps=tuple(make_maps(wall, profiles.axis, scales.small)),
         gaps=gaps,
         silent=silent,
-        features=listings.features_listing(features, scales),
+        features=listings.features_listing(results, features, scales),
         marks=marks,
         pictures=pictures,
         pictures_note=pictures_note,
