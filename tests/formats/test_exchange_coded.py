@@ -11,6 +11,7 @@ import xarray as xr
 
 import springline as sl
 import springline.errors
+from springline.conventions import clock_from_bearing
 from springline.errors import FormatError, InputError
 from springline.io.observations import TEXTS, inspections_of
 
@@ -145,6 +146,8 @@ def test_found_features_come_back(wanted, tmp_path):
     turn = data["bearing"].values[inner] - found["bearing"].values
     known = np.isfinite(turn)
     assert known.any()
+    hours = np.round(clock_from_bearing(data["bearing"].values[inner][known]), 6)
+    np.testing.assert_array_equal(hours % 1, 0)  # whole ones, as these formats have them
     assert (np.abs((turn[known] + np.pi) % (2 * np.pi) - np.pi) <= np.pi / 12 + 1e-9).all()
 
 

@@ -99,8 +99,13 @@ def _features(survey: Survey, system: str) -> list[Observed]:
         numbers = {name: float(values[k]) for name, values in sizes.items()}
         texts = {"kind": kinds[k], "photo": images[k], "remarks": _remark(kinds[k], numbers)}
         texts |= _coded(kinds[k], numbers, reference, system)
-        found.append(Observed(round(float(column("chainage")[k]), 3), float(clock[k]), texts=texts))
+        found.append(Observed(round(float(column("chainage")[k]), 3), _whole(float(clock[k])), texts=texts))
     return found
+
+
+def _whole(hours: float) -> float:
+    """Return a clock position in whole hours, as every coded format has it."""
+    return float(round(hours) or 12) if np.isfinite(hours) else hours
 
 
 def _coded(kind: str, numbers: dict[str, float], diameter: float, system: str) -> dict[str, str]:
