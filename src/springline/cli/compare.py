@@ -175,9 +175,10 @@ def _tell(found: Comparison, summary: dict[str, Any], output: Path) -> None:
 
 
 def _tell_series(found: Series, output: Path) -> None:
-    told = sum(t.significant for t in (*found.stations, *found.features))
+    trends = (*found.stations, *found.patches, *found.features)
+    told = sum(t.significant for t in trends)
     typer.echo(
         f"{found.epochs[0].name}: {len(found.epochs)} inspections, {sum(map(bool, found.pairs))} placed on the first\n"
-        f"  trends told      {told} of {len(found.stations) + len(found.features)}\n"
+        f"  trends told      {told} of {len(trends)}\n"
         f"  report           {output / 'report.html'}"
     )

@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from ..survey import Survey
     from .changes import Profile
     from .result import Match
+    from .scan import Patch
 
 DENT = (0.19, np.radians(35.0))
 """Length [m] and width [rad] of the dent for which the detectable depth is stated."""
@@ -177,8 +178,12 @@ def _with_walls(whole: Comparison, works: bool) -> Comparison:
     changes = list(whole.changes)
     for p in scanned.patches:
         said, reason = verdict("patch", p.change, works=works, wall_thickness=thickness)
-        near = float(np.interp(p.chainage, found.chainage, np.arange(len(found.chainage))))
-        before = float(found.wall_a[round(near), int(np.argmin(np.abs(found.bearing - p.bearing)))])
+        shown = [c for c in changes if c.quantity == "found" and _within(c, p)]
+        if shown:
+            # What the wall shows need not be told again as found by one inspection alone.
+            changes = [c for c in changes if c not in shown]
+            reason = "; ".join((*(c.reason.partition(";")[0] for c in shown), reason)).removesuffix("; ")
+        before = _before(found, p)
         changes.append(
             Change(
                 "patch", p.chainage, p.length, p.bearing, p.width, before, before + p.change, p.change, p.sigma,
@@ -201,6 +206,20 @@ def _with_walls(whole: Comparison, works: bool) -> Comparison:
         whole, difference=found, scan=scanned, profiles=profiles, changes=tuple(changes), detectable=told,
         detectable_edge=edge,
     )  # fmt: skip
+
+
+def _before(found: Difference, patch: Patch) -> float:
+    """Return how far A's wall stands off its section under the middle of a patch [m]."""
+    rows = np.abs(found.chainage - patch.chainage) <= 0.25 * patch.length + 0.5 * found.step
+    turn = np.mod(found.bearing - patch.bearing + np.pi, 2 * np.pi) - np.pi
+    part = found.wall_a[np.ix_(rows, np.abs(turn) <= 0.25 * patch.width)]
+    return float(np.nanmean(part)) if np.isfinite(part).any() else float("nan")
+
+
+def _within(change: Change, patch: Patch) -> bool:
+    """Return whether a feature lies under a patch."""
+    turn = np.mod(change.bearing - patch.bearing + np.pi, 2 * np.pi) - np.pi
+    return bool(abs(change.chainage - patch.chainage) <= 2 * patch.length and abs(turn) <= 2 * patch.width)
 
 
 def _of_profile(profile: Profile, run: object, found: Difference, works: bool) -> Change:

@@ -23,7 +23,6 @@ _TURN = np.radians(30.0)
 _HUNDRED = 100.0
 _ENOUGH = 8
 _RAREST = 0.01
-_BY_GAP = ("step", "kink")
 
 MEASURED = {
     "joint": (("joint gap", "size"), ("joint step", "step"), ("joint kink", "kink")),
@@ -33,6 +32,10 @@ MEASURED = {
     "intrusion": (("intrusion depth", "depth"),),
 }
 """What is compared of each kind of feature: key of `verdicts.QUANTITIES`, and variable of `/features`."""
+
+
+BY_GAP = ("step", "kink")
+"""Variables of a joint that are not compared where no ring stands in its gap: rings that the gap cuts gave them."""
 
 
 @dataclass(frozen=True)
@@ -151,7 +154,7 @@ def _measured(a: Epoch, b: Epoch, paired: Paired, placed: Registration) -> dict[
         both = (a, paired.index_a), (b, paired.index_b)
         for quantity, variable in quantities:
             (v_a, s_a), (v_b, s_b) = (tuple(part[rows[index]] for part in e.measured(variable)) for e, rows in both)
-            if variable in _BY_GAP:
+            if variable in BY_GAP:
                 # A joint in whose gap no ring stands has its step and angle from rings that the gap cuts.
                 sized = [np.isfinite(e.measured("size")[0][rows[index]]) for e, rows in both]
                 v_a, v_b = np.where(sized[0], v_a, np.nan), np.where(sized[1], v_b, np.nan)

@@ -39,7 +39,7 @@ _MOST_PATCHES = 400
 _FEWEST_CELLS = 3
 _HUNDRED = 100.0
 _OWN_SHARE = 0.5  # of a patch's depth, which a peak that covers its middle must reach to be another patch
-_RING_SHARE = 0.2  # the same for a peak elsewhere on its rings: a dent moves the middle of its section
+_RING_SHARE = 0.35  # the same for a peak elsewhere on its rings: a dent moves the middle of its section
 
 
 @dataclass(frozen=True)
@@ -238,6 +238,34 @@ def _belongs(i: int, j: int, t: Template, depth: float, other: tuple[int, int, T
     turn = abs((j - column + rows // 2) % rows - rows // 2)
     least = _OWN_SHARE if turn <= t.reach + wide.reach else _RING_SHARE
     return along and abs(depth) < least * abs(deep)
+
+
+def depth_at(found: Difference, patch: Patch) -> tuple[float, float]:
+    """Return the depth that another difference map shows where a patch was found [m], and its one-sigma.
+
+    Args:
+        found: A difference map on the same chainage as that of the patch.
+        patch: The patch; its size shapes the template.
+    """
+    rows = found.change.shape[1]
+    along = _bump(max(patch.length / found.step, 1.0))
+    half = len(along) // 2
+    middle = round((patch.chainage - found.chainage[0]) / found.step)
+    at = middle + np.arange(-half, half + 1)
+    inside = (at >= 0) & (at < len(found.change))
+    start = round(patch.bearing * rows / (2 * np.pi))
+    shape = along[inside, None] * np.roll(_ring(max(patch.width * rows / (2 * np.pi), 1.0), rows), start)[None, :]
+    change, sigma = found.change[at[inside]], found.sigma[at[inside]]
+    weight = np.where(np.isfinite(change) & np.isfinite(sigma), 1.0 / np.square(sigma), 0.0)
+    total = float((weight * shape**2).sum())
+    full = (
+        float(np.max(weight, initial=0.0))
+        * float((along**2).sum())
+        * float((shape**2).sum() / (along[inside] ** 2).sum())
+    )
+    if not total > _LEAST_SEEN * full > 0.0:
+        return np.nan, np.nan
+    return float((weight * shape * np.nan_to_num(change)).sum() / total), float(total**-0.5)
 
 
 def detectable(

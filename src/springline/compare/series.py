@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -10,8 +10,8 @@ from scipy.stats import norm
 
 from ..errors import InputError
 from .pair import _YEAR, Comparison, compare_epochs
-from .paired import MEASURED
-from .scan import FALSE_ALARMS
+from .paired import BY_GAP, MEASURED
+from .scan import FALSE_ALARMS, depth_at
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -20,6 +20,7 @@ if TYPE_CHECKING:
 
     from .epochs import Epoch
     from .options import MatchOptions
+    from .scan import Patch
 
 _FEWEST = 3
 _BLOCK = 1.0  # m over which a station's values are averaged
@@ -64,6 +65,7 @@ class Series:
         times: (k,) years since the first; 0, 1, 2 ... where a date is missing.
         dated: Whether `times` are years.
         stations: Trends by station.
+        patches: Trends of the wall, where any comparison with the first tells a patch.
         features: Trends by feature.
     """
 
@@ -72,6 +74,7 @@ class Series:
     times: tuple[float, ...]
     dated: bool
     stations: tuple[Trend, ...]
+    patches: tuple[Trend, ...]
     features: tuple[Trend, ...]
 
     def __bool__(self) -> bool:
@@ -102,11 +105,11 @@ def compare_series(
     times, dated = _times(epochs)
     given = {"options": options, "false_alarms": false_alarms, "works": works}
     pairs = tuple(compare_epochs(epochs[0], other, **given) for other in epochs[1:])
-    stations, features = _stations(pairs, times), _features(epochs, pairs, times)
+    found = _stations(pairs, times), _patches(pairs, times), _features(epochs, pairs, times)
     length = max(epochs[0].extent[1] - epochs[0].extent[0], 1.0)
     return Series(
         tuple(epochs), pairs, times, dated,
-        *(_judged(trends, false_alarms, length) for trends in (stations, features)),
+        *(_judged(trends, false_alarms, length) for trends in found),
     )  # fmt: skip
 
 
@@ -152,7 +155,9 @@ def _stations(pairs: tuple[Comparison, ...], times: tuple[float, ...]) -> list[T
             if profile is not None:
                 values[k], sigmas[k] = _averaged(pair.difference.chainage, profile, edges)
         # Half the variance of a change is the first inspection's own, and stands at its 0.
-        own = np.nanmean(sigmas[1:] ** 2, axis=0) / 2.0 if np.isfinite(sigmas[1:]).any() else np.nan
+        known = np.isfinite(sigmas[1:])
+        total = np.where(known, sigmas[1:] ** 2, 0.0).sum(axis=0)
+        own = np.where(known.any(axis=0), total / np.maximum(known.sum(axis=0), 1), np.nan) / 2.0
         values[0], sigmas[0] = 0.0, np.sqrt(own)
         sigmas[1:] = np.sqrt(np.maximum(sigmas[1:] ** 2 - own, 0.5 * sigmas[1:] ** 2))
         for m in range(len(edges) - 1):
@@ -163,6 +168,39 @@ def _stations(pairs: tuple[Comparison, ...], times: tuple[float, ...]) -> list[T
                     Trend(name, middle, np.nan, "", tuple(values[:, m]), tuple(sigmas[:, m]), rate, sigma, False)
                 )
     return trends
+
+
+def _patches(pairs: tuple[Comparison, ...], times: tuple[float, ...]) -> list[Trend]:
+    """Return the trend of the wall where a comparison with the first tells a patch, the clearest first."""
+    ready = [(k, p) for k, p in enumerate(pairs, 1) if p and p.scan is not None]
+    patches = sorted((patch for _, p in ready for patch in p.scan.patches), key=lambda p: -abs(p.score))
+    kept: list[Patch] = []
+    for patch in patches:
+        if not any(_same(patch, other) for other in kept):
+            kept.append(patch)
+    trends = []
+    for patch in kept:
+        values, sigmas = np.full(len(times), np.nan), np.full(len(times), np.nan)
+        for k, pair in ready:
+            values[k], sigmas[k] = depth_at(pair.difference, patch)
+        if not np.isfinite(sigmas).any():
+            continue
+        # Half the variance of a change is the first inspection's own, and stands at its 0.
+        own = float(np.nanmedian(sigmas) / np.sqrt(2.0))
+        sigmas = np.sqrt(np.maximum(sigmas**2 - own**2, 0.5 * sigmas**2))
+        values[0], sigmas[0] = 0.0, own
+        rate, sigma = _line(np.array(times), values, sigmas)
+        if np.isfinite(rate):
+            trends.append(
+                Trend("patch", patch.chainage, patch.bearing, "", tuple(values), tuple(sigmas), rate, sigma, False)
+            )
+    return trends
+
+
+def _same(a: Patch, b: Patch) -> bool:
+    """Return whether two patches cover each other's middle."""
+    turn = np.mod(a.bearing - b.bearing + np.pi, 2 * np.pi) - np.pi
+    return bool(abs(a.chainage - b.chainage) <= max(a.length, b.length) and abs(turn) <= max(a.width, b.width))
 
 
 def _averaged(chainage: NDArray, profile: object, edges: NDArray) -> tuple[NDArray, NDArray]:
@@ -198,10 +236,13 @@ def _features(epochs: Sequence[Epoch], pairs: tuple[Comparison, ...], times: tup
             if variable == "bearing":
                 continue
             rows = [e.measured(variable) if i[n] >= 0 else None for e, i in zip(epochs, where, strict=True)]
+            sized = [e.measured("size")[0][i[n]] if i[n] >= 0 else np.nan for e, i in zip(epochs, where, strict=True)]
             values, sigmas = (
                 np.array([r[part][i[n]] if r is not None else np.nan for r, i in zip(rows, where, strict=True)])
                 for part in (0, 1)
             )
+            if variable in BY_GAP:
+                values = np.where(np.isfinite(sized), values, np.nan)
             rate, sigma = _line(np.array(times), values, sigmas)
             if np.isfinite(rate):
                 trends.append(
@@ -215,8 +256,6 @@ def _features(epochs: Sequence[Epoch], pairs: tuple[Comparison, ...], times: tup
 
 def _judged(trends: list[Trend], rate: float, length: float) -> tuple[Trend, ...]:
     """Return the trends with the verdict whether each is told, at `rate` false alarms per 100 m over all of them."""
-    from dataclasses import replace
-
     chance = min(rate * length / _HUNDRED / max(len(trends), 1), _RAREST)
     limit = float(norm.isf(chance / 2.0))
     return tuple(replace(t, significant=bool(abs(t.rate) > limit * t.rate_sigma)) for t in trends)

@@ -60,7 +60,7 @@ def render_comparison(found: Comparison) -> str:
 
 def render_series(found: Series, folders: list[str]) -> str:
     """Return the report of a series; `folders` hold the comparison of each inspection with the first."""
-    told = [t for t in (*found.features, *found.stations) if t.significant]
+    told = [t for t in (*found.patches, *found.features, *found.stations) if t.significant]
     return _page("series.html.j2").render(
         found=found,
         rows=[
@@ -70,7 +70,7 @@ def render_series(found: Series, folders: list[str]) -> str:
         compared=list(zip(found.pairs, folders, strict=True)),
         told=_trends(told, found),
         features=_trends(list(found.features), found),
-        counts=(len(found.stations), len(found.features)),
+        counts=(len(found.stations), len(found.patches), len(found.features)),
         version=__version__,
         style=_STYLE.read_text(encoding="utf-8"),
     )
@@ -92,11 +92,16 @@ def _facts(found: Comparison) -> list[tuple[str, str]]:
         ("Driven", ends),
         ("Odometer of B over A", f"{abs(slope):.5f}"),
     ]
-    if found.match is not None:
-        rows.append(("Same pipe, by features", f"{100 * found.match.probability_same:.2f} %"))
+    if found.match is not None and found.match.accepted:
+        rows.append(("Same pipe, by features", _sure(found.match.probability_same)))
     if isfinite(found.placed.agreement):
+        rows.append(("Same pipe, by the wall’s relief", _sure(1.0 / (1.0 + np.exp(-found.placed.log_evidence)))))
         rows.append(("Relief in common", f"{100 * found.placed.agreement:.0f} % of what could be"))
     return rows
+
+
+def _sure(probability: float) -> str:
+    return "over 99.9 %" if probability > 0.999 else f"{100 * probability:.1f} %"
 
 
 def _headlines(found: Comparison) -> list[tuple[str, str, str, str]]:

@@ -22,6 +22,7 @@ _POINTS = 700
 _WIDTH = 1200
 _SIGMAS_95 = 1.959964
 _BLUE, _ORANGE, _GREEN, _PURPLE, _INK = "#0072b2", "#d55e00", "#009e73", "#b0599a", "#1d2733"
+_DIFFERENCE_NOTE = "Averaged over 10 cm and 12 degrees; patches that are told are ringed and numbered."
 _WHY_COLOURS = {UNSEEN_A: "#c9ccd1", UNSEEN_B: "#aeb4bb", EDGE: "#8e6bb0", UNPLACED: "#e8d9a8"}
 
 
@@ -78,21 +79,21 @@ def pictures(found: Comparison, axis: Axis) -> list[Picture]:
         _picture("a", f"A: {found.a.name}", "Wall off its fitted section.", d, d.wall_a, unseen, limit, axis),
         _picture("b", f"B: {found.b.name}", f"On A’s chainage and clock{turned}.", d, d.wall_b, second, limit, axis),
         _picture(
-            "difference", "Difference, B less A", "Averaged over 5 cm; patches that are told are ringed and numbered.",
-            d, smooth, d.why, nice_limit(smooth), axis, marked=True,
+            "difference", "Difference, B less A", _DIFFERENCE_NOTE, d, smooth, d.why, nice_limit(smooth), axis,
+            marked=True,
         ),
     ]  # fmt: skip
 
 
 def _smooth(d: Difference) -> np.ndarray:
-    """Return the change averaged over 5 cm along and 6 degrees round, NaN where it cannot be told."""
+    """Return the change averaged over 10 cm along and 12 degrees round, NaN where it cannot be told."""
     from scipy.ndimage import uniform_filter1d
 
     known = np.isfinite(d.change)
     sums = []
     for part in (np.where(known, d.change, 0.0), known.astype(np.float32)):
-        along = uniform_filter1d(part, max(1, round(0.05 / d.step)), axis=0, mode="constant")
-        sums.append(uniform_filter1d(along, max(1, round(d.change.shape[1] / 60)), axis=1, mode="wrap"))
+        along = uniform_filter1d(part, max(1, round(0.1 / d.step)), axis=0, mode="constant")
+        sums.append(uniform_filter1d(along, max(1, round(d.change.shape[1] / 30)), axis=1, mode="wrap"))
     with np.errstate(invalid="ignore", divide="ignore"):
         return np.where(known, sums[0] / sums[1], np.nan)
 
@@ -151,7 +152,12 @@ def change_charts(found: Comparison, strip: Strip) -> list[Chart]:
         first = shown[0][0]
         half = _SIGMAS_95 * factor * np.where(np.isfinite(first.change), first.fixed, np.nan)
         bands.append(
-            Band("95 %: what neither inspection can know", shown[0][2], strip.thin(-half)[0], strip.thin(half)[1])
+            Band(
+                "95 % interval of what tilt and scale leave open",
+                shown[0][2],
+                strip.thin(-half)[0],
+                strip.thin(half)[1],
+            )
         )
         chart = Chart(
             key, title, unit, axis_over(tuple(lines), tuple(bands), least=least), decimals, tuple(lines), tuple(bands),

@@ -88,6 +88,8 @@ def series_summary(found: Series) -> dict[str, Any]:
         "compared": [{"b": p.b.name, "compared": bool(p), "reason": p.reason} for p in found.pairs],
         "station_trends": len(found.stations),
         "station_trends_told": sum(t.significant for t in found.stations),
+        "wall_trends": len(found.patches),
+        "wall_trends_told": sum(t.significant for t in found.patches),
         "feature_trends": len(found.features),
         "feature_trends_told": sum(t.significant for t in found.features),
         "version": __version__,

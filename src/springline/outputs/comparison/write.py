@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from typing import Any
 
     from ...compare.pair import Comparison
-    from ...compare.series import Series
+    from ...compare.series import Series, Trend
 
 _OWN = {"summary.json", "changes.csv"}, {"summary.json", "station_trends.csv"}
 
@@ -74,7 +74,7 @@ def write_series(found: Series, directory: str | Path, *, force: bool = False) -
     with replacing(directory, force=force) as temporary:
         temporary.mkdir()
         _json(series_summary(found), temporary / "summary.json")
-        for name, trends in (("station_trends", found.stations), ("feature_trends", found.features)):
+        for name, trends in _trends(found).items():
             table, decimals = tables.trends_table(found, trends)
             write_csv(table, temporary / f"{name}.csv", decimals)
         folders = [f"1-{k}" for k in range(2, len(found.epochs) + 1)]
@@ -84,6 +84,10 @@ def write_series(found: Series, directory: str | Path, *, force: bool = False) -
         (temporary / "report.html").write_text(render_series(found, folders), encoding="utf-8")
         names = sorted(path.name for path in temporary.iterdir())
     return [directory / name for name in names]
+
+
+def _trends(found: Series) -> dict[str, tuple[Trend, ...]]:
+    return {"station_trends": found.stations, "wall_trends": found.patches, "feature_trends": found.features}
 
 
 def check_replaceable(directory: Path, *, force: bool) -> None:
