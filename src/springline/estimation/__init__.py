@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from .harmonics import Harmonics, pooled_harmonics
     from .joint import estimate_joint
     from .options import JointOptions
+    from .profile import Deflection, Sag
     from .results import JointEstimate
 
 _HOMES = {
@@ -25,17 +26,21 @@ _HOMES = {
     "JointOptions": "options",
     "JointEstimate": "results",
     "Bend": "bends",
+    "Sag": "profile",
+    "Deflection": "profile",
     "Harmonics": "harmonics",
     "pooled_harmonics": "harmonics",
 }
 
 __all__ = [
     "Bend",
+    "Deflection",
     "Harmonics",
     "Inertial",
     "JointEstimate",
     "JointOptions",
     "Rings",
+    "Sag",
     "Ties",
     "estimate_joint",
     "pooled_harmonics",

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .solver import Factored
+from .solver import Factored, Stretch
 from .states import DIRECTION
 
 LEAST_ANGLE = np.radians(3.0)
@@ -23,7 +23,7 @@ KINK = 1.1e-3
 _RUN = 0.75
 """Length of the straight runs beside a bend that tell its angle [m]."""
 _EDGE = 0.1
-_CORNER = 0.2
+_CORNER = 0.14
 """One-sigma of a corner's place in steps between knots."""
 _FEWEST = 3
 _STEPS = 25
@@ -81,22 +81,9 @@ def find_bends(chainage: np.ndarray, direction: np.ndarray, covariance: Factored
         if k + 1 < len(ends):
             high = min(high, 0.5 * (chainage[last] + chainage[ends[k + 1][0]]))
         rows = np.flatnonzero((chainage >= low) & (chainage <= high))
-        spread = _together(covariance, rows)
+        spread = Stretch.of(covariance, rows[0], rows[-1]).together(DIRECTION)
         found.append(_fit(chainage[rows], direction[rows], spread, chainage[first], chainage[last]))
     return tuple(one for one in found if one is not None)
-
-
-def _together(covariance: Factored, rows: np.ndarray) -> np.ndarray:
-    """Return the covariance (n, 2, n, 2) of the directions of neighbouring knots, which are a Markov chain."""
-    out = np.zeros((len(rows), 2, len(rows), 2))
-    through = np.linalg.solve(covariance.diagonal[rows[:-1]], covariance.beside[rows[:-1]])
-    for i, knot in enumerate(rows):
-        shared = covariance.diagonal[knot, DIRECTION]
-        out[i, :, i] = shared[:, DIRECTION]
-        for j in range(i + 1, len(rows)):
-            shared = shared @ through[j - 1]
-            out[i, :, j], out[j, :, i] = shared[:, DIRECTION], shared[:, DIRECTION].T
-    return out
 
 
 def _fit(at, direction, spread, first, last) -> Bend | None:

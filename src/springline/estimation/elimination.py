@@ -105,3 +105,15 @@ def add_products(blocks, beside, left, right):
         blocks[k] += own @ np.ascontiguousarray(right[k].T)
         if k < len(beside):
             beside[k] += own @ np.ascontiguousarray(right[k + 1].T)
+
+
+@njit(cache=True)
+def chain_variance(blocks, beside, weights):
+    """Return the variance of the sum of weights[k] . states[k] over a stretch of knots that are a Markov chain."""
+    total, shared = 0.0, np.zeros(blocks.shape[1])
+    for k in range(len(blocks)):
+        own = blocks[k] @ weights[k]
+        total += weights[k] @ own + 2.0 * (shared @ weights[k])
+        if k < len(beside):
+            shared = (shared + own) @ np.linalg.solve(blocks[k], beside[k])
+    return max(total, 0.0)

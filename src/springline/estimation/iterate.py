@@ -7,11 +7,12 @@ from typing import NamedTuple
 
 import numpy as np
 
+from .elimination import add_products
 from .factors.base import Factor, Linear
 from .mixing import Mixing
 from .problem import Problem
 from .solver import Factored, Normal, solve
-from .states import BLOCK, CLOCK, SCALARS, State
+from .states import BLOCK, CLOCK, OFFSET, SCALARS, SECTION, SLIP_RIGHT, SLIP_UP, State
 
 _NORMAL = 0.4549
 """Median of a squared standard normal."""
@@ -110,8 +111,38 @@ def iterate(problem: Problem, state: State, bend) -> Solution:
         if converged:
             break
     last = _step(problem, state, bend, tuning.scales, covariance=True)
+    doubt_slip(last.found, state, problem)
     misfit = float(np.median(last.squares) / _NORMAL)
     return Solution(state, last.found, tuning.scales, misfit, count, converged)
+
+
+def doubt_slip(found: Factored, state: State, problem: Problem) -> None:
+    """Widen the covariance by what the rings' shapes are in doubt by all along, where they tell the side-slip.
+
+    A slip of s fakes an ovality of radius times tilt times s while the robot weaves; a doubt in ovality is one in slip,
+    and in whatever hangs on slip.
+    """
+    tilt = weaving(problem, state)
+    if not tilt > 0.0:
+        return
+    slip = problem.options.shape / (float(np.median(state.knots[:, SECTION.start])) * tilt)
+    for column in (SLIP_UP, SLIP_RIGHT):
+        variance = found.corner[column, column]
+        # What a change of slip by one, with all that hangs on it, does to every state.
+        along, corner = found.border[:, :, column] / variance, found.corner[:, column] / variance
+        more = max(slip**2 - variance, 0.0)
+        add_products(found.diagonal, found.beside, more * along[:, :, None], along[:, :, None])
+        found.border += more * along[:, :, None] * corner
+        found.corner = found.corner + more * np.outer(corner, corner)
+
+
+def weaving(problem: Problem, state: State) -> float:
+    """Return how much the robot's direction weaves about the pipe's: root mean square tilt less its mean [rad]."""
+    if problem.track is None:
+        return 0.0
+    # The way of the offset along the pipe is the tilt, slip apart.
+    slope = np.diff(state.knots[:, OFFSET], axis=0) / np.diff(state.distance)[:, None]
+    return float(np.sqrt(np.sum(np.var(slope, axis=0))))
 
 
 def _moved(state: State, found: Factored, mixing: Mixing, sigma: np.ndarray, edge: np.ndarray) -> State:

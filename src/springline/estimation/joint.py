@@ -13,6 +13,7 @@ from .harmonics import Harmonics
 from .iterate import Solution, iterate
 from .options import JointOptions
 from .problem import Problem
+from .profile import find_sags, joint_angles
 from .results import SCALAR_NAMES, JointEstimate, at_rings
 from .start import first_axis, first_state, heading_of, straight_state
 from .states import DIRECTION, State, knots_over
@@ -32,6 +33,7 @@ def estimate_joint(
     options: JointOptions | None = None,
     *,
     harmonics: Harmonics | None = None,
+    joints: np.ndarray | None = None,
 ) -> JointEstimate:
     """Return pose, section and layout that explain everything measured at once, with their covariance.
 
@@ -46,6 +48,7 @@ def estimate_joint(
         options: Noise laws and priors.
         harmonics: What `pooled_harmonics` found in the rings' readings; its ellipses are then used, and a shape that is
             no ellipse is said in the warnings.
+        joints: Odometer reading of each joint whose angle is wanted [m] (j,), increasing.
 
     Returns:
         JointEstimate; what the given measurements cannot tell is NaN, with the reason in `why_missing`.
@@ -73,7 +76,7 @@ def estimate_joint(
             )
     problem, state = _set_up(rings, inertial, ties, options)
     solution = iterate(problem, state, lambda now: bend_terms(problem, now))
-    return _told(problem, solution, ties, remarks)
+    return _told(problem, solution, ties, remarks, np.empty(0) if joints is None else np.asarray(joints, float))
 
 
 def _check(rings: Rings, inertial: Inertial | None) -> None:
@@ -124,16 +127,20 @@ def _set_up(rings: Rings, inertial: Inertial | None, ties: Ties | None, options:
     return replace(problem, ties=shifted, origin=state.axis[0], north=north), state
 
 
-def _told(problem: Problem, solution: Solution, ties: Ties | None, remarks: list[str]) -> JointEstimate:
+def _told(
+    problem: Problem, solution: Solution, ties: Ties | None, remarks: list[str], joints: np.ndarray
+) -> JointEstimate:
     values = at_rings(problem, solution)
     why = _missing(problem)
     state = solution.state
     if problem.ties is not None:
         values["axis"] = values["axis"] + ties.position[0]
-    bends = ()
+    bends, sags, angles = (), (), ()
     if problem.track is not None:
-        way = np.linalg.norm(np.diff(state.axis, axis=0), axis=1)
-        bends = find_bends(np.concatenate([[0.0], np.cumsum(way)]), state.knots[:, DIRECTION], solution.covariance)
+        chainage = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(state.axis, axis=0), axis=1))])
+        bends = find_bends(chainage, state.knots[:, DIRECTION], solution.covariance)
+        sags = find_sags(chainage, state.knots, state.axis[:, 2], solution.covariance)
+        angles = joint_angles(np.interp(joints, problem.knots, chainage), chainage, state.knots, solution.covariance)
     for column, name in enumerate(("offset_y", "offset_z", "pitch", "yaw", "roll")):
         if name in why:
             values["pose"][:, column] = np.nan
@@ -165,6 +172,8 @@ def _told(problem: Problem, solution: Solution, ties: Ties | None, remarks: list
         **values,
         scalars=scalars,
         bends=bends,
+        sags=sags,
+        joints=angles,
         why_missing=why,
         warnings=tuple(warnings),
         misfit=misfit,

@@ -15,7 +15,8 @@ class JointOptions:
         knot_step: Odometer reading between knots [m].
         gyro_noise: Angle random walk of the gyro [rad per square root of s].
         gyro_bias: Prior of the gyro's bias [rad/s].
-        accel_noise: Of the specific force averaged over one second [m/s2], with the shaking of the robot.
+        accel_noise: Of the specific force averaged over one second [m/s2], with the shaking of the robot; a start, then
+            taken from the data.
         accel_bias: Prior of the accelerometer's bias [m/s2]; along the pipe and across it nothing else tells it.
         scale: Prior of the odometer's scale.
         slip: Prior of the travel direction against the forward axis [rad].
@@ -27,6 +28,8 @@ class JointOptions:
         kink: Random walk of the pipe's direction [rad per square root of m]; a start, then taken from the data.
         trend: Random walk of the section's change [m per m, per square root of m]; a start, then taken from the data.
         wander: Random walk of the section's values [m per square root of m].
+        shape: What the rings' shapes are trusted to all along a survey [m]: noise bends a fitted ellipse by its
+            variance over the radius, a few thousandths of a millimetre, and that does not average out.
         turning: No inertial log: random walk of the robot's attitude [rad per square root of m]; a start.
         tails: Degrees of freedom of Student's t by which outliers, slips, knocks and kinks are let through.
         kink_tails: The same for the pipe's direction: between joints it keeps it, at joints and in bends it does not.
@@ -50,6 +53,7 @@ class JointOptions:
     kink: float = 5e-4
     trend: float = 5e-4
     wander: float = 1e-5
+    shape: float = 3e-6
     turning: float = 0.1
     tails: float = 4.0
     kink_tails: float = 1.0

@@ -12,6 +12,7 @@ from .factors.base import WIDTH
 from .factors.rings import WINDOW
 from .iterate import Solution
 from .problem import Problem
+from .profile import Deflection, Sag
 from .states import ACCEL, AXLES, CLOCK, GYRO, LEVER, LEVER_UP, SCALE, SLIP_RIGHT, SLIP_UP
 from .torus import bend_terms
 
@@ -54,6 +55,8 @@ class JointEstimate:
         direction_sigma: (n, 2) [rad].
         scalars: Name of SCALAR_NAMES to (value, one-sigma).
         bends: Bends as line-arc-line.
+        sags: Stretches that hang below the string between their ends.
+        joints: Angles of the axis at the joints that were asked for.
         why_missing: Quantity to the reason why it is NaN.
         warnings: What the user must know.
         misfit: Squared misfit of rings over that expected from their covariance.
@@ -74,6 +77,8 @@ class JointEstimate:
     direction_sigma: np.ndarray
     scalars: dict[str, tuple[float, float]]
     bends: tuple[Bend, ...]
+    sags: tuple[Sag, ...]
+    joints: tuple[Deflection, ...]
     why_missing: dict[str, str]
     warnings: tuple[str, ...]
     misfit: float

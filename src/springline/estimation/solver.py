@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..errors import InputError
-from .elimination import add_products, eliminate, selected, ways
+from .elimination import add_products, chain_variance, eliminate, selected, ways
 from .states import AXIS, ORIGIN
 
 
@@ -81,6 +81,53 @@ class Factored:
         out[:, a, c], out[:, b, c] = self.border[interval], self.border[interval + 1]
         out[:, c, a], out[:, c, b] = np.swapaxes(out[:, a, c], 1, 2), np.swapaxes(out[:, b, c], 1, 2)
         out[:, c, c] = self.corner
+        return out
+
+
+@dataclass(frozen=True)
+class Stretch:
+    """Neighbouring knots as a Markov chain once the scalars are known, and how each leans on the scalars.
+
+    Attributes:
+        blocks: (knot, B, B) covariance of each, scalars known.
+        beside: (knot - 1, B, B) covariance of each with the next.
+        lean: (knot, B, G) change with the scalars.
+        corner: (G, G) covariance of the scalars.
+    """
+
+    blocks: np.ndarray
+    beside: np.ndarray
+    lean: np.ndarray
+    corner: np.ndarray
+
+    @classmethod
+    def of(cls, found: Factored, first: int, last: int) -> Stretch:
+        """Return the knots from `first` to `last`, both included."""
+        rows, edge = slice(first, last + 1), np.sqrt(np.diag(found.corner))
+        lean = found.border[rows] / edge @ np.linalg.inv(found.corner / edge / edge[:, None]) / edge
+        blocks = found.diagonal[rows] - lean @ np.swapaxes(found.border[rows], 1, 2)
+        beside = found.beside[first:last] - lean[:-1] @ np.swapaxes(found.border[rows][1:], 1, 2)
+        return cls(blocks, beside, lean, found.corner)
+
+    def sigma(self, weights: np.ndarray) -> float:
+        """Return the one-sigma of the sum of weights (knot, B) times states."""
+        scalars = np.einsum("kb,kbg->g", weights, self.lean)
+        own = chain_variance(self.blocks, self.beside, weights)
+        return float(np.sqrt(own + scalars @ self.corner @ scalars))
+
+    def together(self, states: slice) -> np.ndarray:
+        """Return the covariance (knot, s, knot, s) of some states of all knots."""
+        count = len(self.blocks)
+        lean = self.lean[:, states]
+        out = np.einsum("iag,gh,jbh->iajb", lean, self.corner, lean)
+        through = np.linalg.solve(self.blocks[:-1], self.beside)
+        for i in range(count):
+            shared = self.blocks[i, states]
+            out[i, :, i] += shared[:, states]
+            for j in range(i + 1, count):
+                shared = shared @ through[j - 1]
+                out[i, :, j] += shared[:, states]
+                out[j, :, i] += shared[:, states].T
         return out
 
 

@@ -35,7 +35,7 @@ def gravity(force: np.ndarray, axes: np.ndarray, seconds: np.ndarray, sigma: np.
         force: Mean specific force on Earth as integrated, less the change of velocity by the odometer [m/s2] (n, 3).
         axes: Mean of the integrated axes over the time of each interval (n, 3, 3).
         seconds: Length of each interval [s] (n,).
-        sigma: One-sigma of each mean [m/s2] (n,).
+        sigma: One-sigma of each mean [m/s2] (n,), a start; taken from the data from there on.
         tails: Of Student's t, for knocks.
     """
     up = np.array([0.0, 0.0, GRAVITY])
@@ -46,4 +46,4 @@ def gravity(force: np.ndarray, axes: np.ndarray, seconds: np.ndarray, sigma: np.
         return (shown - up)[:, :2] / sigma[:, None]
 
     columns = local_columns(TILT, scalars=tuple(range(ACCEL.start, ACCEL.stop)))
-    return Factor("gravity", np.arange(len(seconds)), columns, residual, (slice(0, 2),), (tails,))
+    return Factor("gravity", np.arange(len(seconds)), columns, residual, (slice(0, 2),), (tails,), (True,))
