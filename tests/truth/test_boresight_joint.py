@@ -1,0 +1,70 @@
+"""A calibrated boresight in the joint estimate: the log turned to the scanner's axes, its attitude turned back."""
+
+import numpy as np
+import pytest
+
+from springline.estimation import Inertial, Rings, Ties, estimate_joint
+from springline.geometry.fitting import fit_ellipses_to_ranges
+from springline.geometry.robot.boresight import on_scanner, robot_attitude
+from springline.simulate import parse, simulate
+
+BORESIGHT = np.radians([-0.5, 1.0, 0.0])
+SCENARIO = """
+name = "weave"
+[pipe]
+diameter = "300mm"
+heading_deg = 30.0
+gradient = -0.008
+run = [{ kind = "straight", length = 10.0 }]
+[[pipe.section]]
+shape = "mode"
+mode = 1
+s1 = 0.975
+[robot]
+length = 0.5
+wheelbase = 0.35
+offset_z = { amplitude = 0.025, period = 3.0 }
+offset_y = { amplitude = 0.004, period = 4.3 }
+roll_deg = { amplitude = 3.0, period = 3.7 }
+standstill = [{ chainage = 0.25, duration = 60.0 }]
+[rings]
+spacing = "10mm"
+noise = "1mm"
+boresight_pitch_deg = -0.5
+boresight_yaw_deg = 1.0
+[inertial]
+rate = 100.0
+gyro_noise_deg_sqrt_h = 0.3
+accel_noise = 0.0005
+[ties]
+chainages = [0.25, 9.7]
+sigma = "10mm"
+"""
+
+
+@pytest.fixture(scope="module")
+def weave():
+    made = simulate(parse(SCENARIO), seed=0)
+    fits = fit_ellipses_to_ranges(made.rings["range"].values, made.rings["bearing"].values)
+    rings = Rings(made.rings["distance"].values, fits.parameters, fits.covariance, made.rings["time"].values)
+    points = np.stack([made.ties[name].values for name in ("easting", "northing", "elevation")], axis=1)
+    log = [made.inertial[name].values for name in ("time", "gyro", "accel")]
+    return rings, log, Ties(made.ties["distance"].values, points, made.ties["sigma"].values), made.truth
+
+
+def ovality_error(found, truth):
+    true = [np.interp(truth["ring_chainage"], truth["chainage"], truth[f"diameter_{axis}"]) for axis in "xy"]
+    seen = np.hypot(found.section[:, 1], found.section[:, 2]) / found.section[:, 0]
+    return 100.0 * float(np.sqrt(np.mean((seen - np.abs(true[0] - true[1]) / (true[0] + true[1])) ** 2)))
+
+
+def test_a_boresight_taken_out_leaves_neither_section_nor_attitude_wrong(weave):
+    rings, (time, gyro, accel), ties, truth = weave
+    blind = estimate_joint(rings, Inertial(time, gyro, accel), ties)
+    found = estimate_joint(rings, Inertial(time, on_scanner(gyro, BORESIGHT), on_scanner(accel, BORESIGHT)), ties)
+    robot, covariance = robot_attitude(found.pose[:, 2:], BORESIGHT, found.pose_covariance[:, 2:, 2:])
+    true = np.stack([truth[name].values for name in ("pitch", "yaw", "roll")], axis=1)
+    assert ovality_error(found, truth) < 0.01 < 0.5 * ovality_error(blind, truth)
+    error = np.abs(np.mean(robot - true, axis=0))
+    assert np.all(error < 3.0 * np.sqrt(np.mean(np.einsum("nii->ni", covariance), axis=0)))
+    assert np.all(error < np.radians(0.2))
