@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from .scales import Scales
 
 _POINTS = 600
-_SLIMMEST, _TALLEST = 0.28, 0.8
+_SLIMMEST, _TALLEST = 0.28, 0.6
 _APART = 0.05
 
 

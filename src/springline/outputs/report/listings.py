@@ -38,11 +38,15 @@ def rules_table(results: Results, scales: Scales) -> Table:
             str(row.get("edition") or ""),
             str(row.get("verdict") or "").replace("_", " "),
             _where(row.get("where"), scales),
-            " ".join(f"{part}." for part in (row.get("why"), *row.get("remarks", ())) if part).replace("..", "."),
+            " ".join(_sentence(part) for part in (row.get("why"), *row.get("remarks", ())) if part),
         )
         for row in summary(results.survey)["rules"]
     )
     return Table(("Rule", "Edition", "Verdict", f"At [{scales.length.name}]", "Why"), rows, frozenset({0, 1, 2, 4}))
+
+
+def _sentence(words: str) -> str:
+    return words[:1].upper() + words[1:] + ("" if words.endswith(".") else ".")
 
 
 def _where(where: Any, scales: Scales) -> str:
