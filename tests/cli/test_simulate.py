@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import json
 import sys
+from pathlib import Path
 
+import numpy as np
 import pytest
 
 from springline.cli import main
 from springline.io import read
-from springline.simulate import scenarios
+from springline.simulate import Footage, scenarios
 from springline.survey import open_survey
 
 SCENARIO = """name = "mine"
@@ -73,6 +76,35 @@ def test_a_survey_folder_is_written_and_read_back(run, mine, tmp_path):
     assert survey.attrs["name"] == "mine"
     assert survey.rings.sizes["bearing"] == 36
     assert survey.ties.sizes["tie"] == 2
+
+
+CAMERA = """[camera]
+spacing = 0.3
+width = 64
+height = 48
+format = "png"
+lens = { model = "sine", field_of_view_deg = 100.0 }
+"""
+
+
+@pytest.mark.parametrize(("output", "folder"), [("a.zarr.zip", "a-frames"), ("b.zarr", "b-frames"), ("c", "c/frames")])
+def test_frames_lie_beside_the_survey_and_are_found_from_it(run, mine, tmp_path, output, folder):
+    Image = pytest.importorskip("PIL.Image")
+    mine.write_text(SCENARIO + CAMERA, encoding="utf-8")
+    assert run(mine, "-o", tmp_path / output, "--seed", 2)[0] == 0
+    survey = read(tmp_path / output)
+    names = survey.frames["path"].values
+    assert sorted(p.name for p in (tmp_path / folder).iterdir()) == [Path(name).name for name in names]
+    footage = Footage(mine, 2)
+    for k, name in enumerate(names):
+        with Image.open(Path(survey.frames.attrs["folder"]) / name) as picture:
+            assert np.array_equal(np.asarray(picture), footage.image(k))
+    lens = json.loads(survey.calibration.attrs["lens"])["camera"]
+    assert lens["model"] == "sine"
+    assert lens["k_px"] == pytest.approx(32.0 / np.sin(np.radians(50.0)))
+    assert "exists already" in run(mine, "-o", tmp_path / output)[2]
+    assert run(mine, "-o", tmp_path / output, "--force")[0] == 0
+    assert not [p for p in tmp_path.iterdir() if p.name.startswith(".")]
 
 
 def test_faults_are_one_message_and_exit_code_2(run, mine, tmp_path):

@@ -42,7 +42,9 @@ def _with_folder(survey: Survey, path: Path) -> Survey:
     """Return the survey with the folder that its frames' paths start from: where the file lies, unless it says so."""
     if not survey.has("frames") or "folder" in survey.frames.attrs:
         return survey
-    return survey.with_group("frames", survey.frames.assign_attrs(folder=str(path.resolve().parent)))
+    groups = {name: survey.group(name) for name in survey.groups}
+    groups["frames"] = groups["frames"].assign_attrs(folder=str(path.resolve().parent))
+    return Survey(groups, survey.attrs)
 
 
 def _check_nominal(survey: Survey, nominal: float | None, path: Path) -> None:

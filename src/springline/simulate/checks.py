@@ -4,31 +4,22 @@ from __future__ import annotations
 
 from itertools import pairwise
 from math import atan, degrees, hypot, radians, sqrt
-from typing import Any
 
 import numpy as np
 
 from ..conventions import bearing_from_clock
 from ..errors import ParameterError
-from . import equipment, pipes
+from . import equipment, pipes, strewn
 from .building import joints, total_length
+from .checks_camera import check_camera
+from .problem import Path, Problem, require
 from .profiles import extremes
 from .scenario import Scenario
 from .sections import Section
 from .stretches import NEEDS, sections_at, stretches
 
-Path = tuple[int | str, ...]
-
 _TOUCH = 1e-9
 _STEEPEST = 75.0
-
-
-class Problem(Exception):
-    """One thing wrong: where in the scenario, what value, and what was expected."""
-
-    def __init__(self, path: Path, value: Any, expected: str, why: str = "") -> None:
-        super().__init__(path, value, expected)
-        self.path, self.value, self.expected, self.why = path, value, expected, why
 
 
 def check(scenario: Scenario) -> None:
@@ -49,11 +40,6 @@ def check(scenario: Scenario) -> None:
     _sensors(scenario, length)
 
 
-def _require(ok: bool, path: Path, value: Any, expected: str, why: str = "") -> None:
-    if not ok:
-        raise Problem(path, value, expected, why)
-
-
 def _bends(pipe: pipes.Pipe) -> None:
     reach = _reach(pipe)
     climb = degrees(atan(pipe.gradient))
@@ -62,11 +48,11 @@ def _bends(pipe: pipes.Pipe) -> None:
             continue
         path: Path = ("pipe", "run", k)
         tight = " is a bend tighter than the pipe radius"
-        _require(run.radius > reach, (*path, "radius"), run.radius, f"above {reach:g} m", tight)
+        require(run.radius > reach, (*path, "radius"), run.radius, f"above {reach:g} m", tight)
         climb += {"up": run.angle_deg, "down": -run.angle_deg}.get(str(run.towards), 0.0)
         why = f" leaves the pipe inclined by {climb:.0f} degrees"
         upright = f"a pipe inclined by at most {_STEEPEST:g} degrees: in an upright one no wall is the crown"
-        _require(abs(climb) <= _STEEPEST, (*path, "angle_deg"), run.angle_deg, upright, why)
+        require(abs(climb) <= _STEEPEST, (*path, "angle_deg"), run.angle_deg, upright, why)
 
 
 def _reach(pipe: pipes.Pipe) -> float:
@@ -92,14 +78,14 @@ def _sags(pipe: pipes.Pipe) -> None:
     for k, sag in enumerate(pipe.sag):
         first, last = sag.chainage - 0.5 * sag.length, sag.chainage + 0.5 * sag.length
         held = any(a - _TOUCH <= first and last <= b + _TOUCH for a, b in straights)
-        _require(held, ("pipe", "sag", k, "chainage"), sag.chainage, where)
+        require(held, ("pipe", "sag", k, "chainage"), sag.chainage, where)
         most = 0.125 * sag.length
         expected = f"at most an eighth of its length, {most:g} m"
-        _require(abs(sag.depth) <= most, ("pipe", "sag", k, "depth"), sag.depth, expected)
+        require(abs(sag.depth) <= most, ("pipe", "sag", k, "depth"), sag.depth, expected)
     ordered = sorted(enumerate(pipe.sag), key=lambda item: item[1].chainage)
     for (k, sag), (_, following) in pairwise(ordered):
         apart = sag.chainage + 0.5 * sag.length <= following.chainage - 0.5 * following.length + _TOUCH
-        _require(apart, ("pipe", "sag", k, "length"), sag.length, "sags that do not overlap")
+        require(apart, ("pipe", "sag", k, "length"), sag.length, "sags that do not overlap")
 
 
 def _sections(pipe: pipes.Pipe, length: float) -> None:
@@ -107,10 +93,10 @@ def _sections(pipe: pipes.Pipe, length: float) -> None:
         path: Path = ("pipe", "section", k)
         needs = f"a value: shape '{one.shape}' needs {', '.join(NEEDS[one.shape])}"
         for key in NEEDS[one.shape]:
-            _require(getattr(one, key) is not None, (*path, key), "nothing", needs)
+            require(getattr(one, key) is not None, (*path, key), "nothing", needs)
         start, end = one.start or 0.0, length if one.end is None else one.end
         inside = 0.0 <= start < end <= length + _TOUCH
-        _require(inside, (*path, "start"), start, f"start and end between 0 and the pipe's length, {length:g} m")
+        require(inside, (*path, "start"), start, f"start and end between 0 and the pipe's length, {length:g} m")
         try:
             sections_at(pipe, one, np.linspace(start, end, 201))
         except ParameterError as error:
@@ -119,7 +105,7 @@ def _sections(pipe: pipes.Pipe, length: float) -> None:
             raise Problem((*path, key), getattr(one, key), expected, f" ({error.what})") from None
         if one.shape == "ellipse":
             flat = extremes(one.semi_minor)[1] <= extremes(one.semi_major)[1]
-            _require(flat, (*path, "semi_minor"), one.semi_minor, "at most semi_major")
+            require(flat, (*path, "semi_minor"), one.semi_minor, "at most semi_major")
     for a, b in pairwise(stretches(pipe, length)):
         if a.end > b.start + _TOUCH:
             k = next(k for k, one in enumerate(pipe.section) if (one.start or 0.0) == b.start)
@@ -128,21 +114,32 @@ def _sections(pipe: pipes.Pipe, length: float) -> None:
 
 def _patches(pipe: pipes.Pipe, length: float) -> None:
     radius = 0.5 * pipe.diameter
+    if pipe.laterals is not None:
+        for k, diameter in enumerate(pipe.laterals.diameters):
+            path: Path = ("pipe", "laterals", "diameters", k)
+            expected, why = f"below the pipe's diameter, {pipe.diameter:g} m", " is a lateral larger than the pipe"
+            require(diameter < pipe.diameter, path, diameter, expected, why)
+        for one in strewn.laterals(pipe):
+            there = 0.0 <= one.chainage <= length
+            expected = "laterals within the pipe: a smaller spacing_sigma, or another first"
+            require(there, ("pipe", "laterals", "spacing"), pipe.laterals.spacing, expected)
     inward = f"below the pipe's radius, {radius:g} m"
-    for name in ("lateral", "dent", "deposit"):
+    for name in ("lateral", "dent", "deposit", "crack", "stain"):
         for k, one in enumerate(getattr(pipe, name)):
-            path: Path = ("pipe", name, k)
+            path = ("pipe", name, k)
             _inside((*path, "chainage"), one.chainage, length)
+            if name in ("crack", "stain"):
+                continue
             if name != "lateral":
-                _require(one.depth < radius, (*path, "depth"), one.depth, inward)
+                require(one.depth < radius, (*path, "depth"), one.depth, inward)
                 continue
             expected, why = f"below the pipe's diameter, {pipe.diameter:g} m", " is a lateral larger than the pipe"
-            _require(one.diameter < pipe.diameter, (*path, "diameter"), one.diameter, expected, why)
-            _require(one.protrusion < radius, (*path, "protrusion"), one.protrusion, inward)
+            require(one.diameter < pipe.diameter, (*path, "diameter"), one.diameter, expected, why)
+            require(one.protrusion < radius, (*path, "protrusion"), one.protrusion, inward)
 
 
 def _inside(path: Path, chainage: float, length: float) -> None:
-    _require(0.0 <= chainage <= length, path, chainage, f"between 0 and the pipe's length, {length:g} m")
+    require(0.0 <= chainage <= length, path, chainage, f"between 0 and the pipe's length, {length:g} m")
 
 
 def _levels(pipe: pipes.Pipe, length: float) -> None:
@@ -154,9 +151,9 @@ def _levels(pipe: pipes.Pipe, length: float) -> None:
     for name, most in (("bed", below), ("water", below), ("lobe", 0.5 * pipe.diameter)):
         for k, one in enumerate(getattr(pipe, name)):
             path: Path = ("pipe", name, k)
-            _require(one.depth < most, (*path, "depth"), one.depth, f"below the way from wall to axis, {most:g} m")
+            require(one.depth < most, (*path, "depth"), one.depth, f"below the way from wall to axis, {most:g} m")
             start, end = one.start or 0.0, length if one.end is None else one.end
-            _require(start < end, (*path, "start"), start, f"below its end, {end:g} m")
+            require(start < end, (*path, "start"), start, f"below its end, {end:g} m")
 
 
 def _lobes(pipe: pipes.Pipe, length: float) -> None:
@@ -174,7 +171,7 @@ def _lobes(pipe: pipes.Pipe, length: float) -> None:
                 even = abs(left - right) <= 1e-6 * pipe.diameter
                 expected = "a clock about which the host is even, or form = 'smooth'"
                 why = f" puts the varying lobe's edges at radii of {left:.6f} and {right:.6f} m"
-                _require(even, ("pipe", "lobe", k, "clock_h"), lobe.clock_h, expected, why)
+                require(even, ("pipe", "lobe", k, "clock_h"), lobe.clock_h, expected, why)
 
 
 def _joints(pipe: pipes.Pipe, length: float) -> None:
@@ -182,18 +179,16 @@ def _joints(pipe: pipes.Pipe, length: float) -> None:
     for k, joint in enumerate(pipe.joint):
         path: Path = ("pipe", "joint", k)
         half = 0.5 * joint.gap
-        _require(
-            half < joint.chainage < length - half, (*path, "chainage"), joint.chainage, f"inside 0 to {length:g} m"
-        )
+        require(half < joint.chainage < length - half, (*path, "chainage"), joint.chainage, f"inside 0 to {length:g} m")
         aside = hypot(joint.offset_y, joint.offset_z)
-        _require(aside < radius, (*path, "offset_y"), joint.offset_y, f"an offset below {radius:g} m")
+        require(aside < radius, (*path, "offset_y"), joint.offset_y, f"an offset below {radius:g} m")
     for a, b in pairwise(joints(pipe)):
         end = a.chainage + 0.5 * a.gap
         listed = b in pipe.joint
         path = ("pipe", "joint", pipe.joint.index(b), "chainage") if listed else ("pipe", "joints", "spacing")
         value = b.chainage if listed or pipe.joints is None else pipe.joints.spacing
         apart = end < b.chainage - 0.5 * b.gap
-        _require(
+        require(
             apart, path, value, f"joints apart: one at {b.chainage:g} m begins before {end:g} m, where another ends"
         )
 
@@ -215,20 +210,20 @@ def _robot(scenario: Scenario) -> None:
     radius = 0.5 * pipe.diameter
     slim = f"below the pipe's radius, {radius:g} m"
     for key in ("half_span", "wheel_radius"):
-        _require(getattr(robot, key) < radius, ("robot", key), getattr(robot, key), slim)
+        require(getattr(robot, key) < radius, ("robot", key), getattr(robot, key), slim)
     expected = f"at most the robot's length, {robot.length:g} m"
-    _require(robot.wheelbase <= robot.length, ("robot", "wheelbase"), robot.wheelbase, expected)
+    require(robot.wheelbase <= robot.length, ("robot", "wheelbase"), robot.wheelbase, expected)
     for run in pipe.run:
         if isinstance(run, pipes.Bend):
             most = longest_robot(run.radius, radius, robot.half_span)
             why = f" is longer than the bend of radius {run.radius:g} m allows"
-            _require(robot.length <= most, ("robot", "length"), robot.length, f"at most {most:.3f} m", why)
+            require(robot.length <= most, ("robot", "length"), robot.length, f"at most {most:.3f} m", why)
     for key in ("offset_y", "offset_z"):
         low, high = extremes(getattr(robot, key))
-        _require(max(-low, high) < radius, ("robot", key), max(-low, high), slim)
+        require(max(-low, high) < radius, ("robot", key), max(-low, high), slim)
     for key in ("pitch_deg", "yaw_deg", "climb_deg"):
         low, high = extremes(getattr(robot, key))
-        _require(max(-low, high) <= 60.0, ("robot", key), max(-low, high), "within 60 degrees")
+        require(max(-low, high) <= 60.0, ("robot", key), max(-low, high), "within 60 degrees")
 
 
 def _drive(scenario: Scenario, length: float) -> None:
@@ -237,27 +232,29 @@ def _drive(scenario: Scenario, length: float) -> None:
     end = length - 0.5 * robot.length if robot.end is None else robot.end
     key = "start" if robot.start is not None else "end" if robot.end is not None else "length"
     expected = f"0 <= start < end <= the pipe's length, {length:g} m"
-    _require(
+    require(
         0.0 <= start < end <= length, ("robot", key), getattr(robot, key), expected, f" (from {start:g} to {end:g} m)"
     )
     for name in ("standstill", "knock"):
         for k, one in enumerate(getattr(robot, name)):
             there = f"where the robot drives, {start:g} to {end:g} m"
-            _require(start <= one.chainage <= end, ("robot", name, k, "chainage"), one.chainage, there)
+            require(start <= one.chainage <= end, ("robot", name, k, "chainage"), one.chainage, there)
 
 
 def _sensors(scenario: Scenario, length: float) -> None:
+    if scenario.camera is not None:
+        check_camera(scenario, scenario.camera)
     for name in ("rings", "rings_rear"):
         scanner: equipment.RingScanner | None = getattr(scenario, name)
         if scanner is not None:
             expected = f"below range_max, {scanner.range_max:g} m"
-            _require(scanner.range_min < scanner.range_max, (name, "range_min"), scanner.range_min, expected)
+            require(scanner.range_min < scanner.range_max, (name, "range_min"), scanner.range_min, expected)
     for k, slip in enumerate(scenario.odometer.slip):
         expected = f"above -{slip.length:g} m: the counter never runs back"
-        _require(slip.extra > -slip.length, ("odometer", "slip", k, "extra"), slip.extra, expected)
+        require(slip.extra > -slip.length, ("odometer", "slip", k, "extra"), slip.extra, expected)
     for at in scenario.ties.chainages if scenario.ties else ():
         _inside(("ties", "chainages"), at, length)
     for at in scenario.depth_camera.captures if scenario.depth_camera else ():
         _inside(("depth_camera", "captures"), at, length)
     for k, (start, end) in enumerate(scenario.inertial.gap if scenario.inertial else ()):
-        _require(start < end, ("inertial", "gap", k), (start, end), "a start before its end")
+        require(start < end, ("inertial", "gap", k), (start, end), "a start before its end")

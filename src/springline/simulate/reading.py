@@ -11,7 +11,8 @@ from pydantic import BaseModel, ValidationError
 from pydantic_core import ErrorDetails
 
 from ..errors import FormatError, InputError, ParameterError, nearest
-from .checks import Problem, check
+from .checks import check
+from .problem import Problem
 from .scenario import Scenario
 
 FOLDER = Path(__file__).with_name("scenarios")
@@ -111,6 +112,8 @@ def _complaint(error: ErrorDetails, raw: dict[str, Any], text: str, where: str) 
     context = error.get("ctx", {})
     if kind.startswith("union_tag"):
         return ParameterError(f"{key}.kind = {context.get('tag', 'nothing')!r}", where=place, expected=_tags(path))
+    if kind == "model_type":
+        return ParameterError(f"{key} = {error['input']!r}", where=place, expected="a table of its keys")
     limits = [_RANGES[name].format(limit) for name, limit in context.items() if name in _RANGES]
     said = error["msg"].lower().removeprefix("input should be ").removeprefix("value error, ")
     expected = " and ".join(limits) or str(context.get("expected", "")) or said

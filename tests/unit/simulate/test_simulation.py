@@ -200,7 +200,9 @@ def test_the_built_in_survey_is_what_its_generator_makes():
     assert 0.05 < np.isnan(shipped.rings["range"]).mean() < 0.15
 
 
-@pytest.mark.parametrize("name", [n for n in scenarios() if n not in ("builtin", "weaving", "joints", "bends", "egg", "sewer")])
+@pytest.mark.parametrize(
+    "name", [n for n in scenarios() if n not in ("builtin", "weaving", "joints", "bends", "egg", "sewer")]
+)
 def test_ready_scenarios_make_sound_surveys(name):
     survey = validate(simulate(name, 1))
     assert survey.has("truth")

@@ -14,13 +14,14 @@ from ...errors import ParameterError
 from .. import optics
 from ..attitude import in_pipe
 from ..cast import cast_rays
+from ..lens import LensModel, lens_of
 from ..path import in_travel_frame
 from ..reading import load
 from ..scenario import Scenario
+from ..surface import radius_of_wall
 from ..truth import feature_table
 from ..wall import Roughness, Wall, build
 from ..world import World, set_up
-from .lens import LensModel, lens_of
 from .light import AIR, LAMP, LASER
 from .looks import decal_records, look_record
 from .outlines import Edge, Outline, edges_of, outlines_in
@@ -88,6 +89,13 @@ class Footage:
         guess = world.route.chainage(self.travelled + lever[0])
         self.cell = world.route.centreline.find(self.origin, guess)
         self.chainage = world.route.chainage(world.route.centreline.project(self.origin, guess))
+        _check_inside(world, self.cell, self.origin, self.chainage, "camera")
+        if camera.laser is not None:
+            source, _ = self.laser_pose(np.arange(count))
+            guess = world.route.chainage(self.travelled + lever[0] + camera.laser.ahead)
+            at = world.route.centreline.project(source, guess)
+            cell = world.route.centreline.find(source, guess)
+            _check_inside(world, cell, source, world.route.chainage(at), "camera.laser")
 
     def __len__(self) -> int:
         return self.distance.size
@@ -256,3 +264,21 @@ class Footage:
         for name in ("power", "speckle", "wet", "ghost", "ghost_ahead"):
             out[name] = getattr(laser, name)
         return out
+
+
+def _check_inside(world: World, cell: np.ndarray, origin: np.ndarray, travelled: np.ndarray, name: str) -> None:
+    """Raise when a camera or a laser has left the pipe."""
+    s = world.route.chainage(travelled)
+    point, frame = world.route.centreline.at(s)
+    off = np.einsum("nij,nj->ni", frame, origin - point)
+    bearing = np.mod(np.arctan2(off[:, 1], off[:, 2]), 2.0 * np.pi)
+    wall = radius_of_wall(world.wall, cell, s, bearing[:, None], False)[:, 0]
+    end = world.route.length
+    outside = (np.hypot(off[:, 1], off[:, 2]) >= wall) | (s < 0.0) | (s > end)
+    if outside.any():
+        at = travelled[outside][0]
+        raise ParameterError(
+            f"it stands outside the pipe, at chainage {at:.3f} m",
+            where=name,
+            expected=f"a place within the wall, between chainage 0 and {end:g} m all the way that the robot drives",
+        )

@@ -177,6 +177,12 @@ def light_of(wall, scene, origin, way, t, kind, cell, part, normal, edges, row, 
             r, g, b = r + share * mr, g + share * mg, b + share * mb
     if air.haze > 0.0:
         left = exp(-2.0 * air.haze * t)
-        veil = 0.08 * (1.0 - left) * (1.0 if scene.lamps.shape[0] else 0.0)
-        r, g, b = left * r + veil, left * g + veil, left * b + veil
+        back = veil(scene, t)
+        r, g, b = left * r + back, left * g + back, left * b + back
     return r, g, b
+
+
+@njit(cache=True, error_model="numpy", _nrt=False)
+def veil(scene, t):
+    """Return the light that haze throws back over a way t [m]."""
+    return 0.08 * (1.0 - exp(-2.0 * scene.air[0].haze * t)) if scene.lamps.shape[0] else 0.0

@@ -10,7 +10,7 @@ from numba import njit, prange
 
 from ..cast import FACE
 from ..wall import JOINT, NOTHING, Wall
-from .light import light_of
+from .light import light_of, veil
 from .surfaces import meet
 
 BLOCK = 4
@@ -68,6 +68,8 @@ def _pixel(wall, scene, origin, start, axes, rays, i, j, samples):
             way = (x / size, y / size, z / size)
             t, kind, cell, part, normal = meet(wall, start, origin, way, scene.air[0].sight)
             if isnan(t):
+                back = veil(scene, scene.air[0].sight)
+                r, g, b = r + back, g + back, b + back
                 continue
             one = light_of(wall, scene, origin, way, t, kind, cell, part, normal, (du, dv), i, j)
             r, g, b = r + one[0], g + one[1], b + one[2]
@@ -202,6 +204,7 @@ def _shade(wall, scene, eye, start, axes, rays, samples, nodes, node_keys, node_
                     else:
                         t, normal = reach[i, j], (normals[i, j, 0], normals[i, j, 1], normals[i, j, 2])
                         if isnan(t):
+                            out[i, j] = veil(scene, scene.air[0].sight)
                             continue
                     d = rays[i, j]
                     way = _turned(axes, d[0], d[1], d[2])

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .. import optics
+from . import optics
 
 LIMITS = {
     "equidistant": 180.0,
@@ -23,7 +23,9 @@ LIMITS = {
 }
 """Zenith [degrees] up to which each model is one-to-one; the polynomial may end before."""
 
-_OPEN = ("perspective", "stereographic")
+OPEN = ("perspective", "stereographic")
+"""Models without a radius at their limit."""
+
 _NEWTON = 60
 
 
@@ -55,7 +57,7 @@ class LensModel:
             radius = self.k * self._shape(ahead / far, across / far)
             out = np.stack([right, up], axis=-1) * np.where(across > 0.0, radius / across, 0.0)[..., None]
         seen = (np.arctan2(across, ahead) <= self.end) & (far > 0.0)
-        if self.model in _OPEN:
+        if self.model in OPEN:
             seen &= ahead > (0.0 if self.model == "perspective" else -far)
         return np.where(seen[..., None], out, np.nan)
 
