@@ -435,7 +435,7 @@ GROUPS = {
         Group(
             "layout",
             "stages.estimate",
-            "where the pipe's axis runs, how it falls, and its bends",
+            "where the pipe's axis runs, how it falls, its bends, sags and angles at joints",
             (
                 *_with_sigma(
                     (
@@ -463,6 +463,18 @@ GROUPS = {
                 ),
                 _v("bend_length", "bend", "m", "length of the arc"),
                 _v("bend_towards", "bend", "rad", "bearing in the section towards the bend's centre"),
+                *_with_sigma(
+                    (
+                        _v("sag_depth", "sag", "m", "furthest the invert hangs below the string between its ends"),
+                        _v("sag_ponding", "sag", "m", "depth of water that stands in it when nothing flows"),
+                        _v("joint_up", "joint", "rad", "angle of the axis at each joint, upwards"),
+                        _v("joint_right", "joint", "rad", "angle of the axis at each joint, to the right"),
+                    )
+                ),
+                _v("sag_start", "sag", "m", "chainage at which each sag begins"),
+                _v("sag_length", "sag", "m", "length along the axis"),
+                _v("sag_lowest", "sag", "m", "chainage of its deepest place"),
+                _v("joint_chainage", "joint", "m", "chainage of each joint whose angle was measured"),
             ),
             (
                 ("frame", "ties, or local: from the first ring, heading as the robot did"),

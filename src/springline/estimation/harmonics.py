@@ -22,6 +22,8 @@ POOL = 200
 """Rings whose readings are pooled."""
 ORDERS = (3, 4)
 _CLIP = 3.0
+_LEAK = 1.5
+"""What is left of a shape in the radii, over its size times the unseen share of the wall: by simulation."""
 _CERTAIN = 40.0
 """Chi-square of the four terms beyond which a shape is called: once in ten million pools by chance."""
 
@@ -34,12 +36,15 @@ class Harmonics:
         terms: cos and sin of order 3 and 4 of each pool [m] (pool, 4), in the rings' own frame.
         sigma: One-sigma of one term [m] (pool, 4).
         significant: Whether each pool differs from ellipses (pool,).
+        doubt: One-sigma by which the shape may still bend each ring's radii [m] (n,): by its size and the share of the
+            wall that is not seen; 0 where there is no such shape.
         parameters: The rings' centre_z, centre_y, mean_radius, oval_cos, oval_sin, freed of the shape [m] (n, 5).
     """
 
     terms: np.ndarray
     sigma: np.ndarray
     significant: np.ndarray
+    doubt: np.ndarray
     parameters: np.ndarray
 
     @property
@@ -70,7 +75,11 @@ def pooled_harmonics(ranges: np.ndarray, bearings: np.ndarray, parameters: np.nd
     pools = max(len(ranges) // POOL, 1)
     edges = np.linspace(0, len(ranges), pools + 1).astype(int)
     out = Harmonics(
-        np.zeros((pools, 4)), np.full((pools, 4), np.inf), np.zeros(pools, bool), np.array(parameters, float)
+        np.zeros((pools, 4)),
+        np.full((pools, 4), np.inf),
+        np.zeros(pools, bool),
+        np.zeros(len(ranges)),
+        np.array(parameters, float),
     )
     ellipse = [np.cos(bearings), np.sin(bearings), np.ones_like(bearings), np.cos(2 * bearings), np.sin(2 * bearings)]
     shape = [wave(order * bearings) for order in ORDERS for wave in (np.cos, np.sin)]
@@ -96,4 +105,6 @@ def pooled_harmonics(ranges: np.ndarray, bearings: np.ndarray, parameters: np.nd
         out.significant[k] = found[5:] @ np.linalg.solve(spread, found[5:]) > _CERTAIN
         if out.significant[k]:
             out.parameters[rows] += found[:5]
+            # A robot that rolls turns the shape within the pool, so that what is taken out is not quite it.
+            out.doubt[rows] = _LEAK * np.linalg.norm(found[5:]) * (1.0 - np.mean(seen))
     return out

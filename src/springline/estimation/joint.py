@@ -72,11 +72,13 @@ def estimate_joint(
         if harmonics.significant.any():
             remarks.append(
                 f"The section is no ellipse: third and fourth harmonics of up to {1e3 * harmonics.amplitude:.2f} mm in "
-                f"{int(harmonics.significant.sum())} of {len(harmonics.significant)} stretches."
+                f"{int(harmonics.significant.sum())} of {len(harmonics.significant)} stretches; its sigma is "
+                "widened where a part of the wall is not seen."
             )
     problem, state = _set_up(rings, inertial, ties, options)
     solution = iterate(problem, state, lambda now: bend_terms(problem, now))
-    return _told(problem, solution, ties, remarks, np.empty(0) if joints is None else np.asarray(joints, float))
+    doubt = np.zeros(len(rings.distance)) if harmonics is None else harmonics.doubt
+    return _told(problem, solution, ties, remarks, doubt, np.empty(0) if joints is None else np.asarray(joints, float))
 
 
 def _check(rings: Rings, inertial: Inertial | None) -> None:
@@ -128,9 +130,16 @@ def _set_up(rings: Rings, inertial: Inertial | None, ties: Ties | None, options:
 
 
 def _told(
-    problem: Problem, solution: Solution, ties: Ties | None, remarks: list[str], joints: np.ndarray
+    problem: Problem,
+    solution: Solution,
+    ties: Ties | None,
+    remarks: list[str],
+    doubt: np.ndarray,
+    joints: np.ndarray,
 ) -> JointEstimate:
     values = at_rings(problem, solution)
+    # Half of a radius's variance by its mean, half by its ovality.
+    values["section_covariance"] += 0.5 * doubt[:, None, None] ** 2 * np.eye(3)
     why = _missing(problem)
     state = solution.state
     if problem.ties is not None:

@@ -63,7 +63,18 @@ def estimate_survey(survey: Survey, fitted: Fitted) -> JointEstimate:
         rings.attrs.get("distance_source", "odometer") == "odometer",
     )
     log = _inertial(survey.inertial) if survey.has("inertial") and known else None
-    return estimate_joint(given, log, _ties(survey), harmonics=fitted.harmonics)
+    return estimate_joint(given, log, _ties(survey), harmonics=fitted.harmonics, joints=_joints(survey))
+
+
+def _joints(survey: Survey) -> np.ndarray | None:
+    """Return the odometer readings of the candidate joints that are likelier than not [m]; None when nobody looked."""
+    if not survey.has("candidates") or not {"kind", "distance"} <= set(survey.candidates.variables):
+        return None
+    found = survey.candidates
+    likely = found["kind"].values == "joint"
+    if "probability" in found:
+        likely = likely & (found["probability"].values > 0.5)
+    return np.unique(found["distance"].values[likely].astype(float))
 
 
 def _lever(attrs: dict[str, object]) -> tuple[float, float, float]:

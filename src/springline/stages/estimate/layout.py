@@ -1,4 +1,4 @@
-"""`/layout`: where the pipe's axis runs, how it falls, and its bends."""
+"""`/layout`: where the pipe's axis runs, how it falls, its bends, sags and angles at joints."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ def layout(survey: Survey, joint: JointEstimate, start: float) -> xr.Dataset:
     }
     data = {name: ("station", values) for name, values in columns.items()}
     data["axis_covariance"] = (("station", "axis", "axis_2"), joint.axis_covariance)
-    data |= _bends(joint, start)
+    data |= _bends(joint, start) | _sags(joint, start) | _joints(joint, start)
     local = "north" in joint.why_missing
     return xr.Dataset(
         data,
@@ -70,3 +70,19 @@ def _bends(joint: JointEstimate, start: float) -> dict[str, tuple[str, np.ndarra
         name: ("bend", np.array([getattr(bend, field) for bend in joint.bends], float)) for name, field in names.items()
     }
     return {**table, "bend_start": ("bend", table["bend_start"][1] + start)}
+
+
+def _sags(joint: JointEstimate, start: float) -> dict[str, tuple[str, np.ndarray]]:
+    names = ("start", "length", "lowest", "depth", "depth_sigma", "ponding", "ponding_sigma")
+    table = {f"sag_{name}": ("sag", np.array([getattr(sag, name) for sag in joint.sags], float)) for name in names}
+    for name in ("sag_start", "sag_lowest"):
+        table[name] = ("sag", table[name][1] + start)
+    return table
+
+
+def _joints(joint: JointEstimate, start: float) -> dict[str, tuple[str, np.ndarray]]:
+    names = ("up", "right", "up_sigma", "right_sigma")
+    table = {
+        f"joint_{name}": ("joint", np.array([getattr(one, name) for one in joint.joints], float)) for name in names
+    }
+    return {"joint_chainage": ("joint", start + np.array([one.chainage for one in joint.joints])), **table}
