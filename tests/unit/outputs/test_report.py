@@ -18,7 +18,7 @@ from springline.outputs.unroll import unroll
 from springline.survey import Survey, add_warning
 
 from .finished import finished_survey
-from .variants import VARIANTS, complete
+from .variants import VARIANTS, complete, with_joints
 
 HOSTILE = "\"><img src=x onerror=alert(1)> & 'Straße' ../.. </script>"
 
@@ -194,6 +194,13 @@ def test_labels_on_maps_do_not_lie_on_one_another():
         (a, b) for i, a in enumerate(places) for b in places[:i] if abs(a[0] - b[0]) < 0.03 and abs(a[1] - b[1]) < 0.1
     ]
     assert near == []
+
+
+def test_thousands_of_features_still_fit_into_a_mail():
+    survey = with_joints(finished_survey(stations=4000, bearings=36, length=2000.0, dense=True), 0.4)
+    report, page = report_of(survey)
+    assert len(report.features.rows) == 2000 and "3001 more stand in features.csv" in report.words.features
+    assert len(page) < 5e6 and len(report.pictures) == 60
 
 
 def test_stations_that_do_not_speak_are_left_out_of_lines_and_marked(survey):

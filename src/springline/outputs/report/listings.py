@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ...conventions import FIT_STATUS, MASK_REASONS, clock_from_bearing
+from ..results import feature_count
 from ..summary import summary
 from ..unroll import REASON_WORDS
 from .texts import SIGMAS_95, clock_text, measured, number
@@ -19,6 +20,9 @@ if TYPE_CHECKING:
 
 _WORST = 10
 _STRETCHES = 20
+
+LISTED = 2000
+"""Features that the list holds at most, so that the page stays below 5 MB."""
 
 
 @dataclass(frozen=True)
@@ -63,9 +67,10 @@ def overrides_table(results: Results) -> Table:
 
 
 def features_listing(results: Results, table: Any, scales: Scales) -> Table:
-    """Return the features, numbered as on the maps; `table` holds the rows of `features.csv`."""
+    """Return the features, numbered as on the maps; `table` holds the rows of `features.csv`, of which 2000 at most."""
+    table = table.iloc[:LISTED]
     small, length = scales.small, scales.length
-    further = _further(results, len(table), scales)
+    further = _further(results, scales)
     headings = (
         "No.",
         "Kind",
@@ -98,12 +103,13 @@ def features_listing(results: Results, table: Any, scales: Scales) -> Table:
     return Table(headings, rows, frozenset({1, 7, 9, 10}))
 
 
-def _further(results: Results, count: int, scales: Scales) -> list[str]:
+def _further(results: Results, scales: Scales) -> list[str]:
     """Return what else was measured of each feature, with its 95 % interval."""
-    words: list[list[str]] = [[] for _ in range(count)]
-    if not count:
+    if not feature_count(results.survey):
         return []
     data = results.survey.features
+    count = data.sizes["feature"]
+    words: list[list[str]] = [[] for _ in range(count)]
     for variable, angle in (("step", False), ("kink", True), ("inclination", True), ("protrusion", False)):
         if variable not in data:
             continue

@@ -6,6 +6,8 @@ from dataclasses import dataclass
 from math import isfinite
 from typing import TYPE_CHECKING
 
+from .listings import LISTED
+
 if TYPE_CHECKING:
     from ..results import Results
     from .scales import Scales
@@ -85,9 +87,11 @@ def _marks(crowded: bool) -> str:
 def _features(results: Results) -> str:
     if not results.survey.has("features"):
         return "This inspection did not look for features."
-    if not results.survey.features.sizes.get("feature", 0):
+    count = results.survey.features.sizes.get("feature", 0)
+    if not count:
         return "None were found."
-    return "Numbers are those on the maps. Chainage ± 95 %. Depth is positive outward, negative inward."
+    left = f"{count - LISTED} more stand in features.csv. " if count > LISTED else ""
+    return f"{left}Numbers are those on the maps. Chainage ± 95 %. Depth is positive outward, negative inward."
 
 
 def _method(results: Results, scales: Scales, kind: str) -> tuple[str, ...]:

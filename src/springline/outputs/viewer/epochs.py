@@ -16,6 +16,10 @@ if TYPE_CHECKING:
     from ..unroll import Unrolled
 
 
+_CELLS = 4_000_000
+"""Of each of two walls, so that their viewer stays below 30 MB too."""
+
+
 @dataclass(frozen=True)
 class Epoch:
     """Another inspection.
@@ -85,7 +89,7 @@ def compared(found: Comparison) -> tuple[Results, Unrolled, Epoch] | None:
     if found.placed is None or not all(s is not None and all(map(s.has, finished)) for s in surveys):
         return None
     results = [Results(one) for one in surveys]
-    wall, other = (unroll(one) for one in results)
+    wall, other = (unroll(one, cells=_CELLS) for one in results)
     middle = (wall.start + wall.end) / 2
     placed = found.placed
     onto = matched(wall, other, chainage=placed.at(middle)[0], turn=placed.roll_at(middle), mirrored=placed.reversed)
