@@ -120,7 +120,9 @@ def _listed(path: Path, number: str, given: ListOptions) -> tuple[FeatureList, b
     columns, kinds = given.columns, given.kinds or None
     if not columns:
         columns = {key: name for key, name in _OWN.items() if name in table.columns}
-        kinds = kinds or _OWN_KINDS
+        if "kind" in columns and not kinds:
+            # A word that is not ours stands for itself, so that it is refused by name.
+            kinds = {w: _OWN_KINDS.get(w, w) for w in (str(v).strip() for v in table[columns["kind"]])}
         if "chainage" not in columns:
             raise FormatError(
                 "its columns are not known",

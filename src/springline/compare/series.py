@@ -11,7 +11,8 @@ from scipy.stats import norm
 from ..errors import InputError
 from .pair import _YEAR, Comparison, compare_epochs
 from .paired import BY_GAP, MEASURED
-from .scan import FALSE_ALARMS, depth_at
+from .scan import FALSE_ALARMS
+from .sharpen import depth_at
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -182,7 +183,7 @@ def _patches(pairs: tuple[Comparison, ...], times: tuple[float, ...]) -> list[Tr
     for patch in kept:
         values, sigmas = np.full(len(times), np.nan), np.full(len(times), np.nan)
         for k, pair in ready:
-            values[k], sigmas[k] = depth_at(pair.difference, patch)
+            values[k], sigmas[k] = depth_at(pair.difference, patch.chainage, patch.bearing, patch.length, patch.width)
         if not np.isfinite(sigmas).any():
             continue
         # Half the variance of a change is the first inspection's own, and stands at its 0.
