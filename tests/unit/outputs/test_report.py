@@ -159,7 +159,10 @@ def test_complete_report_has_verdicts_limits_layout_liner_corrections_and_pictur
         "ASTM F1216",
     ):
         assert words in text
-    assert report.bends.rows == (("14.99 ± 0.04", "3.00", "30.00 ± 0.45°", "5.73 ± 0.39", "3:00"),)
+    lists = {title: table.rows for title, table in report.layout_lists}
+    assert lists["Bends"] == (("14.99 ± 0.04", "3.00", "30.00 ± 0.45°", "5.73 ± 0.39", "3:00"),)
+    assert lists["Sags"] == (("7.50", "4.50", "9.00", "70.0 ± 6.0", "46.0 ± 6.0"),)
+    assert lists["Angles of the axis at joints"][1] == ("12.00", "−0.50 ± 0.20°", "0.30 ± 0.20°")
     assert "step 2.1 ± 0.8\u00a0mm; kink 0.40 ± 0.20°" in text
     plan = report.plan
     ends = [mark for mark in plan.marks if mark[2] in ("start", "end")]

@@ -45,6 +45,15 @@ def with_layout(survey):
     layout["bend_arc_radius"] = ("bend", np.array([0.1 * x[-1] / np.radians(30.0)]))
     for name, value in (("start", 0.02), ("angle", 0.004), ("arc_radius", 0.2)):
         layout[f"bend_{name}_sigma"] = ("bend", np.array([value]))
+    for name, value in (("start", 7.5), ("length", 4.5), ("lowest", 9.0)):
+        layout[f"sag_{name}"] = ("sag", np.array([value]))
+    for name, value in (("depth", 0.07), ("ponding", 0.046)):
+        layout[f"sag_{name}"] = ("sag", np.array([value]))
+        layout[f"sag_{name}_sigma"] = ("sag", np.array([0.00306]))
+    layout["joint_chainage"] = ("joint", np.array([6.0, 12.0]))
+    for name, value in (("up", -0.5), ("right", 0.3)):
+        layout[f"joint_{name}"] = ("joint", np.radians([0.0, value]))
+        layout[f"joint_{name}_sigma"] = ("joint", np.radians([0.1, 0.1]))
     time = np.linspace(0.0, 300.0, 50)
     inertial = xr.Dataset({"time": ("sample", time), "gyro": (("sample", "axis"), np.zeros((50, 3)))})
     ends = np.array([x[0], x[-1]])

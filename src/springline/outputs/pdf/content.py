@@ -83,7 +83,7 @@ def content(report: Report, folder: Path) -> dict[str, Any]:
         "statuses": _table(report.statuses),
         "charts": [_chart(one, report, width, silent=True) for one in report.charts],
         "layout": [_chart(one, report, width, silent=False) for one in report.layout],
-        "bends": _table(report.bends),
+        "layout_lists": [{"title": title, **_table(table)} for title, table in report.layout_lists],
         "missing": _missing(by_reason(report.missing)),
         "missing_layout": _missing(by_reason(report.missing_layout)),
         "plan": None if report.plan is None else _plan(report.plan, width),

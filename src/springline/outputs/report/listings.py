@@ -88,7 +88,7 @@ def features_listing(results: Results, table: Any, scales: Scales) -> Table:
         (
             str(k),
             row.kind,
-            _placed(row.chainage_m, row.chainage_sigma_m, scales),
+            placed_text(row.chainage_m, row.chainage_sigma_m, scales),
             clock_text(row.clock_h) if isfinite(row.clock_h) else "–",
             small.number(row.size_mm / 1e3, 0),
             small.number(row.length_mm / 1e3, 0),
@@ -116,12 +116,13 @@ def _further(results: Results, scales: Scales) -> list[str]:
         sigma = data[f"{variable}_sigma"].values if f"{variable}_sigma" in data else np.full(count, np.nan)
         for k, (value, half) in enumerate(zip(data[variable].values, SIGMAS_95 * sigma, strict=True)):
             if isfinite(value):
-                shown = _degrees(value, half) if angle else _small(value, half, scales)
+                shown = degrees_text(value, half) if angle else _small(value, half, scales)
                 words[k].append(f"{variable} {shown}")
     return ["; ".join(parts) or "–" for parts in words]
 
 
-def _degrees(value: float, half: float) -> str:
+def degrees_text(value: float, half: float) -> str:
+    """Return an angle [rad] in degrees, with its half interval [rad] when that is known."""
     shown, around = measured(np.degrees(value), np.degrees(half), least=1, most=2)
     return f"{shown}°" if around == "–" else f"{shown} ± {around}°"
 
@@ -131,39 +132,8 @@ def _small(value: float, half: float, scales: Scales) -> str:
     return f"{shown}\u00a0{scales.small.name}" if around == "–" else f"{shown} ± {around}\u00a0{scales.small.name}"
 
 
-def bends_table(results: Results, scales: Scales) -> Table:
-    """Return the bends of the layout; without rows when there are none, or no layout."""
-    length = scales.length
-    headings = (
-        f"Begins at [{length.name}]",
-        f"Length [{length.name}]",
-        "Angle [°]",
-        f"Radius [{length.name}]",
-        "Towards",
-    )
-    if not results.survey.has("layout") or "bend_start" not in results.survey.layout:
-        return Table(headings, (), frozenset())
-    data = {name: results.survey.layout[name].values for name in results.survey.layout.variables}
-    none = np.full(data["bend_start"].shape, np.nan)
-
-    def column(name: str) -> np.ndarray:
-        return data.get(name, none)
-
-    clock = clock_from_bearing(column("bend_towards"))
-    rows = tuple(
-        (
-            _placed(column("bend_start")[k], column("bend_start_sigma")[k], scales),
-            length.number(column("bend_length")[k], 2),
-            _degrees(column("bend_angle")[k], SIGMAS_95 * column("bend_angle_sigma")[k]),
-            " ± ".join(length.measured(column("bend_arc_radius")[k], SIGMAS_95 * column("bend_arc_radius_sigma")[k])),
-            clock_text(float(clock[k])) if isfinite(clock[k]) else "–",
-        )
-        for k in range(none.size)
-    )
-    return Table(headings, rows, frozenset())
-
-
-def _placed(chainage: float, sigma: float, scales: Scales) -> str:
+def placed_text(chainage: float, sigma: float, scales: Scales) -> str:
+    """Return a chainage [m] with its 95 % half interval when that is known."""
     at = scales.length.number(chainage, 2)
     return f"{at} ± {scales.length.number(SIGMAS_95 * sigma, 2)}" if sigma > 0 else at
 

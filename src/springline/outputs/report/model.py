@@ -18,6 +18,7 @@ from .drawing import Drawing, draw_section
 from .facts import command, cover_facts
 from .headlines import Headline, make_headlines
 from .layout import Plan, make_layout
+from .layout_lists import angles_table, bends_table, sags_table
 from .maps import Map, make_maps
 from .marks import Mark, make_marks
 from .pictures import Picture, make_pictures
@@ -45,6 +46,7 @@ class Report:
         charts: Of section and liner along the pipe.
         plan: The pipe from above, None when it is not known.
         layout: Charts of the buried layout.
+        layout_lists: Bends, sags and angles at joints, those that there are, each with its title.
         missing: Charts along the pipe that a complete report also shows, with the reason why this one does not.
         missing_layout: The same of the layout.
         gaps: Start, end [m] and reason of the stretches without values.
@@ -66,7 +68,7 @@ class Report:
     charts: tuple[Chart, ...]
     plan: Plan | None
     layout: tuple[Chart, ...]
-    bends: Table
+    layout_lists: tuple[tuple[str, Table], ...]
     missing: tuple[Missing, ...]
     missing_layout: tuple[Missing, ...]
     maps: tuple[Map, ...]
@@ -121,7 +123,7 @@ def make_report(results: Results, wall: Unrolled, config_toml: str) -> Report:
         charts=tuple(charts),
         plan=plan,
         layout=tuple(layout),
-        bends=listings.bends_table(results, scales),
+        layout_lists=_layout_lists(results, scales),
         missing=tuple(missing),
         missing_layout=tuple(missing_layout),
         maps=tuple(make_maps(wall, profiles.axis, scales.small)),
@@ -153,6 +155,15 @@ def make_report(results: Results, wall: Unrolled, config_toml: str) -> Report:
         version=str(results.provenance.get("version", __version__)),
         hover=_hover(profiles, [*charts, *layout], scales),
     )
+
+
+def _layout_lists(results: Results, scales: Scales) -> tuple[tuple[str, Table], ...]:
+    made = (
+        ("Bends", bends_table(results, scales)),
+        ("Sags", sags_table(results, scales)),
+        ("Angles of the axis at joints", angles_table(results, scales)),
+    )
+    return tuple((title, table) for title, table in made if table.rows)
 
 
 def _gaps(results: Results, profiles: Profiles) -> tuple[tuple[float, float, str], ...]:
