@@ -21,6 +21,7 @@ from ..geometry.marks import (
     find_steps,
     lasting_shape,
     steady_shape,
+    tracked_centres,
     wall_deviation,
 )
 
@@ -37,6 +38,10 @@ _LASTING = 6.0
 _FAR = 0.03
 _SIGMAS = 6.0
 _SCATTERED = 3.0
+_MOST_OFFSET = 0.004
+_BRIDGED = 0.7
+_GROOVE = 0.005
+_SECTORS = 36
 _CODE = {name: code for code, name in MASK_REASONS.items()}
 _NO_WALL = [_CODE[name] for name in ("outlier", "water", "by_hand")]
 _UNSEEN = [_CODE[name] for name in ("no_return", "out_of_range")]
@@ -73,14 +78,13 @@ def seen_in_rings(rings: xr.Dataset, mask: xr.Dataset, settings: DetectConfig) -
     count = rings.sizes["ring"]
     distance, bearings = rings["distance"].values, rings["bearing"].values
     opening = np.zeros((count, len(bearings)), bool)
-    sections, noise, offset, agree = _sections(rings, mask)
+    sections, noise, own = _sections(rings, mask)
     if not np.isfinite(sections).all(axis=1).any():
         return [], opening
     diameter = 2.0 * float(np.nanmedian(sections[:, 2]))
     spacing = float(np.median(np.diff(distance))) if count > 1 else diameter
-    cells, height, groove = _map(rings, mask, sections, noise, diameter, spacing)
-    own = np.where((agree > 0.6)[:, None], sections[:, :2], np.nan)
-    known = Rings(distance, own, np.where(agree > 0.6, sections[:, 2] + offset, np.nan), offset, groove, diameter)
+    cells, height, standing = _map(rings, mask, sections, noise, diameter, spacing)
+    known = Rings(distance, own[:, :2], own[:, 2], *standing, diameter)
     joints = find_grooves(known)
     window = int(np.clip(round(0.15 * diameter / spacing), 4, 40))
     cloud = rings.attrs.get("distance_source") == "axis"
@@ -148,14 +152,14 @@ def candidates(rings: xr.Dataset, seen: list[Seen], opening: np.ndarray) -> xr.D
 
 
 def _sections(rings: xr.Dataset, mask: xr.Dataset) -> tuple[np.ndarray, ...]:
-    """Return each ring's lasting section (ring, 5), noise, offset all round, and the share of readings that agree."""
+    """Return each ring's lasting section (ring, 5), its noise, and (ring, 3) its own centre and mean radius."""
     count, distance, bearings = rings.sizes["ring"], rings["distance"].values, rings["bearing"].values
     own, noise = np.full((count, 5), np.nan), np.full(count, np.nan)
     for rows in _blocks(count):
         fits = fit_ellipses_to_ranges(_ranges(rings, mask, rows, used=True), bearings)
         own[rows], noise[rows] = fits.parameters, fits.noise_sigma
     if not np.isfinite(own).any():
-        return own, noise, noise, noise
+        return own, noise, own[:, :3]
     noise = np.where(np.isfinite(noise), noise, np.nanmedian(noise))
     shape = steady_shape(own[:, 2:], distance, window=_STEADY * 2.0 * float(np.nanmedian(own[:, 2])))
     start = np.where(np.isfinite(own[:, :2]), own[:, :2], np.nanmedian(own[:, :2], axis=0))
@@ -163,18 +167,16 @@ def _sections(rings: xr.Dataset, mask: xr.Dataset) -> tuple[np.ndarray, ...]:
     for rows in _blocks(count):
         ranges = _ranges(rings, mask, rows, used=False)
         placed[rows] = centre_rings(ranges, bearings, shape[rows], start[rows], noise[rows])
-    good = placed[:, 4] > 0.6
-    centre = placed[:, :2].copy()
-    for column in centre.T:
-        if good.any():
-            column[~good] = np.interp(distance[~good], distance[good], column[good])
-    return np.concatenate([centre, shape], axis=1), noise, placed[:, 2], np.nan_to_num(placed[:, 4])
+    diameter = 2.0 * float(np.nanmedian(shape[:, 0]))
+    centre, good = tracked_centres(distance, placed, most_offset=_MOST_OFFSET * diameter, longest=_BRIDGED * diameter)
+    own = np.where(good[:, None], np.column_stack([placed[:, :2], shape[:, 0] + placed[:, 2]]), np.nan)
+    return np.concatenate([centre, shape], axis=1), noise, own
 
 
 def _map(
     rings: xr.Dataset, mask: xr.Dataset, sections: np.ndarray, noise: np.ndarray, diameter: float, spacing: float
-) -> tuple[WallMap, np.ndarray, np.ndarray]:
-    """Return the unrolled wall, its height over what goes on along the pipe, and each ring's share that stands out."""
+) -> tuple[WallMap, np.ndarray, tuple[np.ndarray, ...]]:
+    """Return the unrolled wall, its height over what goes on, and how far and in which arcs each ring stands out."""
     count, bearings = rings.sizes["ring"], rings["bearing"].values
     length = max(spacing, diameter / _PER_DIAMETER)
     distance = rings["distance"].values
@@ -184,10 +186,13 @@ def _map(
     for rows in parts:
         deviation = wall_deviation(_ranges(rings, mask, rows, used=False), bearings, sections[rows])
         blank = np.zeros(deviation.shape, bool)
-        add_rings(first, rows.start, deviation, blank, blank, far=np.inf)
+        add_rings(first, rows.start, deviation, blank, blank, far=far[rows])
     lasting = lasting_shape(first.mean, window=_window(first, diameter, distance))
     cells = empty_map(distance, len(bearings), length=length, columns=_COLUMNS)
-    groove = np.zeros(count)
+    offset = np.zeros(count)
+    sectors = min(_SECTORS, len(bearings))
+    outside, known = np.zeros((count, sectors), bool), np.zeros((count, sectors), bool)
+    arcs = np.searchsorted(np.arange(len(bearings)) * sectors // len(bearings), np.arange(sectors))
     for rows in parts:
         deviation = wall_deviation(_ranges(rings, mask, rows, used=False), bearings, sections[rows])
         deviation -= at_readings(cells.row[rows], cells, lasting)
@@ -197,9 +202,11 @@ def _map(
         missing = np.isin(reason, _UNSEEN) & (rings.attrs.get("distance_source") != "axis")
         add_rings(cells, rows.start, deviation, missing, wet, far=far[rows])
         with np.errstate(invalid="ignore"):
-            out = (deviation > np.maximum(0.005 * diameter, 4.0 * noise[rows])[:, None]).sum(axis=1)
-        groove[rows] = out / np.maximum(np.isfinite(deviation).sum(axis=1), 1)
-    return cells, cells.mean, groove
+            out = deviation > np.maximum(_GROOVE * diameter, 4.0 * noise[rows])[:, None]
+        seen = np.add.reduceat(np.isfinite(deviation), arcs, axis=1)
+        known[rows], outside[rows] = seen > 0, 2 * np.add.reduceat(out, arcs, axis=1) > seen
+        offset[rows] = np.where(out, deviation, 0.0).sum(axis=1) / np.maximum(out.sum(axis=1), 1)
+    return cells, cells.mean, (offset, outside, known)
 
 
 def _window(cells: WallMap, diameter: float, distance: np.ndarray) -> int:

@@ -4,7 +4,7 @@ from .bores import Bore, fit_bore
 from .bumps import Bump, size_bump
 from .find import Rings, Seen, find_bumps, find_grooves, find_openings, find_steps
 from .joints import Gap, SetOff, size_gap, size_step, step_scatter
-from .reference import centre_rings, steady_shape, wall_deviation
+from .reference import centre_rings, steady_shape, tracked_centres, wall_deviation
 from .wallmap import WallMap, add_rings, at_readings, empty_map, lasting_shape
 
 __all__ = [
@@ -30,5 +30,6 @@ __all__ = [
     "size_step",
     "steady_shape",
     "step_scatter",
+    "tracked_centres",
     "wall_deviation",
 ]

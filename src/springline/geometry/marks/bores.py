@@ -102,7 +102,7 @@ def _distance(values: NDArray, x: NDArray, theta: NDArray, radius: NDArray, wall
     cos, sin = np.cos(values[3]), np.sin(values[3])
     across = forward * cos - up * sin
     # Only the half of the pipe that the bore leaves from.
-    return np.where(np.cos(turn) > 0, np.hypot(across, aside), np.inf) - values[2]
+    return np.where(np.cos(turn) > 0, np.hypot(across, aside), np.nan) - values[2]
 
 
 def _edge(x: NDArray, bearing: NDArray, radius: NDArray, inside: NDArray, known: NDArray) -> tuple[NDArray, NDArray]:

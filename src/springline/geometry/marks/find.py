@@ -15,17 +15,26 @@ from .steps import jumps, peaks
 from .wallmap import confirmed, lasting_shape, smoothed
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator
+
     from numpy.typing import NDArray
 
     from .wallmap import WallMap
 
 _LONGEST_GROOVE = 0.5
+_BRIDGED = 0.03
 _LONGEST_OPENING = 3.0
 _WIDEST_OPENING = np.radians(190.0)
+_FOOT = 0.2
 _WIDEST_BUMP = np.radians(200.0)
 _LEAST_OPEN = 6
 _BLIND = 0.3
-_LEAST_GROOVE = 0.005
+_PARTLY = 0.05
+_MOSTLY = 0.6
+_ROUND = 0.6
+_WIDE = 0.2
+_SHORT = 0.5
+_HALF = 0.5
 _LEAST_STEP = 0.008
 
 
@@ -59,8 +68,9 @@ class Rings(NamedTuple):
         distance: (ring,) increasing [m].
         centre: (ring, 2) centre_z, centre_y of its own fit [m]; NaN = not known.
         radius: (ring,) mean radius of its own fit [m]; NaN = not known.
-        offset: (ring,) how far the ring stands out all round [m]; NaN = not known.
-        groove: (ring,) share of its readings that stand out.
+        offset: (ring,) mean of how far those of its readings stand out that do [m]; 0 where none does.
+        outside: (ring, sector) whether most readings of an arc stand out.
+        known: (ring, sector) whether the arc has readings.
         diameter: Typical diameter [m].
     """
 
@@ -68,32 +78,46 @@ class Rings(NamedTuple):
     centre: NDArray[np.float64]
     radius: NDArray[np.float64]
     offset: NDArray[np.float64]
-    groove: NDArray[np.float64]
+    outside: NDArray[np.bool_]
+    known: NDArray[np.bool_]
     diameter: float
 
 
 def find_grooves(rings: Rings) -> list[Seen]:
-    """Return the open joints: short runs of rings that stand out all round.
+    """Return the open joints: short runs of rings that between them stand out all round.
 
-    A run begins and ends with rings of which a part stands out, because a tilted ring enters a gap bit by bit.
+    A tilted ring enters a gap bit by bit, and one that is tilted by more than the gap never lies in it as a whole.
     """
-    offset = np.nan_to_num(rings.offset)
-    noise = robust_sigma(rings.offset)
-    least = max(_LEAST_GROOVE * rings.diameter, threshold(1e-3, len(offset)) * noise)
-    core = (offset > least) & (rings.groove > 0.4)
+    share = rings.outside.mean(axis=1)
+    spacing = float(np.median(np.diff(rings.distance))) if len(share) > 1 else rings.diameter
+    bridge = max(1, round(_BRIDGED * rings.diameter / spacing))
+    longest = _LONGEST_GROOVE * rings.diameter
+    stretches = []
+    for first, last in runs(share > _PARTLY, bridge=bridge).tolist():
+        if rings.distance[last] - rings.distance[first] <= longest:
+            stretches.append((first, last))
+        else:
+            # A lateral beside a joint makes one long run: the joint is where most of the ring stands out.
+            mostly = runs(share[first : last + 1] > _MOSTLY, bridge=bridge) + first
+            stretches += [(a, b) for a, b in mostly.tolist() if rings.distance[b] - rings.distance[a] <= longest]
     found = []
-    for first, last in runs(core | (rings.groove > 0.15), bridge=1).tolist():
-        inside = core[first : last + 1]
-        if not inside.any():
+    for first, last in stretches:
+        rows = slice(first, last + 1)
+        known = rings.known[rows].any(axis=0)
+        round_ = rings.outside[rows].any(axis=0).sum() / max(known.sum(), 1)
+        if known.mean() < _HALF or last - first == len(share) - 1:
             continue
-        length = rings.distance[last] - rings.distance[first]
-        if length > _LONGEST_GROOVE * rings.diameter or last - first == len(offset) - 1:
+        # An opening as wide as this would be longer: what is wide and short is a joint between two rings.
+        length = rings.distance[last] - rings.distance[first] + spacing
+        wide = rings.diameter * np.sin(min(np.pi * round_, 0.5 * np.pi))
+        if round_ < _ROUND and (round_ < _WIDE or length > _SHORT * wide):
             continue
-        part = offset[first : last + 1][inside]
-        depth = float(part.max())
-        score = depth / max(noise, 1e-9)
-        sure = float(confidence(score, len(offset), expected=1.0))
-        found.append(Seen("joint", first, last, np.nan, 2.0 * np.pi, depth, score, sure))
+        weight = share[rows]
+        depth = float(np.average(rings.offset[rows], weights=weight))
+        # Sectors are independent witnesses; chance has each of them outside as often as elsewhere in the survey.
+        witnesses = float(rings.outside[rows].sum())
+        sure = float(1.0 - np.exp(-0.2 * witnesses) * 0.5)
+        found.append(Seen("joint", first, last, np.nan, 2.0 * np.pi, depth, witnesses, sure))
     return found
 
 
@@ -154,6 +178,7 @@ def find_openings(rings: Rings, cells: WallMap, joints: NDArray[np.bool_], *, wi
     flags = _bridged(flags, joints)
     patch = regions(flags)
     width = 2.0 * np.pi / flags.shape[1]
+    spacing = float(np.median(np.diff(rings.distance)))
     found = []
     ring_of = np.searchsorted(cells.row, np.arange(len(cells.possible) + 1))
     for k in range(len(patch.cells)):
@@ -161,6 +186,8 @@ def find_openings(rings: Rings, cells: WallMap, joints: NDArray[np.bool_], *, wi
         length = rings.distance[last] - rings.distance[first]
         span = float(patch.columns[k] * width)
         if length > _LONGEST_OPENING * rings.diameter or span > _WIDEST_OPENING:
+            continue
+        if length + 2.0 * spacing < _SHORT * rings.diameter * np.sin(min(0.5 * span, 0.5 * np.pi)):
             continue
         if patch.first_row[k] == 0 or patch.last_row[k] == len(flags) - 1:
             continue
@@ -233,23 +260,52 @@ def find_bumps(
             seeds |= (score > limit) & (mean < -least) & np.isfinite(height)
             flags |= (score > 3.0) & (mean < -0.25 * least)
         scores = np.maximum(scores, score)
-    patch = regions(flags | seeds)
     width = 2.0 * np.pi / height.shape[1]
     ring_of = np.searchsorted(cells.row, np.arange(len(cells.possible) + 1))
     found = []
+    for first, last, columns, best, deepest in _peaks(height, flags | seeds, seeds, scores):
+        span = float(len(columns) * width)
+        if span > _WIDEST_BUMP:
+            continue
+        score = float(scores[best])
+        sure = float(confidence(score, height.size, expected=1.0))
+        rows = int(ring_of[first]), int(ring_of[last + 1]) - 1
+        found.append(Seen("inward", *rows, float((best[1] + 0.5) * width), span, deepest, score, sure))
+    return found
+
+
+def _peaks(
+    height: NDArray[np.float64], flags: NDArray[np.bool_], seeds: NDArray[np.bool_], scores: NDArray[np.float64]
+) -> Iterator[tuple]:
+    """Yield first and last row, columns, deepest cell and depth of each bump, down to a fifth of its depth."""
+    patch = regions(flags)
     for k in range(len(patch.cells)):
         rows = slice(patch.first_row[k], patch.last_row[k] + 1)
         inside = (patch.labels[rows] == k + 1) & np.isfinite(height[rows])
-        if not (seeds[rows] & inside).any():
-            continue
-        first, last = int(ring_of[patch.first_row[k]]), int(ring_of[patch.last_row[k] + 1]) - 1
-        best = int(np.argmax(np.where(inside, scores[rows], -1.0)))
-        column, score = best % height.shape[1], float(scores[rows].flat[best])
-        sure = float(confidence(score, height.size, expected=1.0))
-        span = float(patch.columns[k] * width)
-        if span > _WIDEST_BUMP:
-            continue
-        deepest = float(np.min(np.where(inside, height[rows], np.inf)))
-        bearing = float((column + 0.5) * width)
-        found.append(Seen("inward", first, last, bearing, span, deepest, score, sure))
-    return found
+        left = seeds[rows] & inside
+        while left.any():
+            best = np.unravel_index(np.argmax(np.where(left, scores[rows], -1.0)), left.shape)
+            near = inside[max(best[0] - 1, 0) : best[0] + 2]
+            about = height[rows][max(best[0] - 1, 0) : best[0] + 2]
+            deepest = float(np.min(np.where(near, about, np.inf)))
+            part = regions(inside & (height[rows] < _FOOT * deepest))
+            label = part.labels[best]
+            if label == 0:
+                left[best] = False
+                continue
+            own = part.labels == label
+            left &= ~_grown(own)
+            at = np.flatnonzero(own.any(axis=1))
+            columns = np.flatnonzero(own.any(axis=0))
+            middle = int(best[0]) + rows.start, int(best[1])
+            yield int(at[0]) + rows.start, int(at[-1]) + rows.start, columns, middle, deepest
+
+
+def _grown(flags: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """Return the flags with the cells about them, so that a bump's slopes are no bumps of their own."""
+    out = flags.copy()
+    for _ in range(3):
+        out = out | np.roll(out, 1, axis=1) | np.roll(out, -1, axis=1)
+        out[1:] |= out[:-1].copy()
+        out[:-1] |= out[1:].copy()
+    return out

@@ -13,6 +13,8 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
 _LEAST_RINGS = 6
+_WIDER = (1.4, 2.0)
+"""Factors on the sigmas of step and turn, measured on simulated pipes: rings about a joint share their roughness."""
 
 
 class Gap(NamedTuple):
@@ -22,6 +24,7 @@ class Gap(NamedTuple):
         middle, middle_sigma: Place of its middle [m].
         gap, gap_sigma: How far the ends stand apart on average round the pipe [m].
         depth, depth_sigma: How far the wall stands back in it [m].
+        reach: Half the length over which rings see both pipes, the gap and the rings' tilt together [m].
     """
 
     middle: float
@@ -30,6 +33,7 @@ class Gap(NamedTuple):
     gap_sigma: float
     depth: float
     depth_sigma: float
+    reach: float
 
 
 class SetOff(NamedTuple):
@@ -75,16 +79,24 @@ def size_gap(before: ArrayLike, after: ArrayLike, place: ArrayLike, bearings: Ar
     spread = 1.4826 * float(np.median(np.abs(inside - depth)))
     return Gap(
         middle=0.5 * (end.plane[0] + start.plane[0]),
-        middle_sigma=0.5 * float(np.sqrt(variance)),
+        middle_sigma=float(np.hypot(0.5 * np.sqrt(variance), 0.1 * np.median(np.abs(np.diff(place))))),
         gap=max(float(gap), 0.0),
         gap_sigma=float(np.sqrt(variance)),
         depth=float(np.median(inside)),
         depth_sigma=float(np.hypot(spread / np.sqrt(max(len(inside) / 20.0, 1.0)), 0.5 * noise)),
+        reach=0.5 * max(float(gap), 0.0) + max(float(np.hypot(*edge.plane[1:])) for edge in (start, end)),
     )
 
 
 def size_step(
-    place: ArrayLike, values: ArrayLike, at: float, *, window: float, scatter: ArrayLike, noise: ArrayLike
+    place: ArrayLike,
+    values: ArrayLike,
+    at: float,
+    *,
+    reach: float,
+    window: float,
+    scatter: ArrayLike,
+    noise: ArrayLike,
 ) -> SetOff | None:
     """Return how the pipe after a joint is displaced and turned against the pipe before it.
 
@@ -94,6 +106,7 @@ def size_step(
         place: (ring,) chainage [m].
         values: (ring, 3) centre_z, centre_y, mean_radius of rings [m]; NaN inside the joint.
         at: Chainage of the joint [m].
+        reach: Half the length about it whose rings see both pipes [m].
         window: Length on each side [m].
         scatter: (3,) one-sigma that such steps show where there is no joint [m].
         noise: (3,) one-sigma of a ring's values [m].
@@ -103,25 +116,29 @@ def size_step(
     """
     place, values = np.asarray(place, float), np.asarray(values, float)
     known = np.isfinite(values).all(axis=1)
-    sides = []
-    for side in (np.flatnonzero(known & (place < at))[::-1], np.flatnonzero(known & (place > at))):
-        if len(side) < 3:
-            return None
-        count = max(_LEAST_RINGS, int((np.abs(place[side] - place[side[0]]) <= window).sum()))
-        sides.append(side[:count])
-    rows = np.concatenate([sides[0][::-1], [sides[1][0]], sides[1][1:]])
-    x = place[rows]
-    # Half a spacing either side of the joint stands for its middle.
-    found = _across(x, values[rows], at, len(sides[0]))
-    step, step_factor, turn, turn_factor = found
+    before, after = np.flatnonzero(known & (place < at - reach))[::-1], np.flatnonzero(known & (place > at + reach))
+    if min(len(before), len(after)) < 3:
+        return None
     noise, scatter = np.asarray(noise, float), np.asarray(scatter, float)
-    plain = _plain_factor(x, len(sides[0]))
-    return SetOff(
-        step,
-        np.maximum(noise, scatter / max(plain, 1e-9)) * step_factor,
-        turn[:2],
-        (np.maximum(noise, scatter / max(plain, 1e-9)) * turn_factor)[:2],
-    )
+    sides = before, after
+    shorter, one, two = (_lines(place, values, at, sides, k * window, noise, scatter) for k in (0.5, 1.0, 2.0))
+    # What another window says otherwise is the robot's own way, which is not straight over all of it.
+    bent = 1.3 * np.sqrt(np.mean((shorter[0] - one[0]) ** 2))
+    wound = np.sqrt(np.mean((two[2] - one[2])[:2] ** 2))
+    step_sigma, turn_sigma = np.hypot(one[1], bent), np.hypot(two[3], wound)
+    return SetOff(one[0], _WIDER[0] * step_sigma, two[2][:2], _WIDER[1] * turn_sigma[:2])
+
+
+def _lines(
+    place: NDArray, values: NDArray, at: float, sides: tuple, window: float, noise: NDArray, scatter: NDArray
+) -> tuple[NDArray[np.float64], ...]:
+    """Return step and turn with their sigmas, from lines through the rings of a window on each side."""
+    part = [side[: max(_LEAST_RINGS, int((np.abs(place[side] - place[side[0]]) <= window).sum()))] for side in sides]
+    rows, left = np.concatenate([part[0][::-1], part[1]]), len(part[0])
+    x = place[rows]
+    step, step_factor, turn, turn_factor = _across(x, values[rows], at, left)
+    one = np.maximum(noise, scatter / max(_plain_factor(x, left), 1e-9))
+    return step, one * step_factor, turn, one * turn_factor
 
 
 def _across(x: NDArray, values: NDArray, at: float, left: int) -> tuple:

@@ -12,12 +12,14 @@ import numpy as np
 from numba import njit
 from scipy.ndimage import median_filter
 
+from .regions import runs
+
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
 _STEPS = 12
 _TUNING = 4.0
-_AGREE = 4.0
+_LEAST_AGREE = 0.55
 
 
 def steady_shape(shape: ArrayLike, distance: ArrayLike, *, window: float) -> NDArray[np.float64]:
@@ -82,6 +84,39 @@ def centre_rings(
     r, theta = np.ascontiguousarray(ranges, np.float32), np.asarray(bearings, float)
     table = np.stack([np.cos(theta), np.sin(theta)])
     return _centre(r, table, np.asarray(shape, float), np.asarray(start, float), np.asarray(noise, float))
+
+
+def tracked_centres(
+    distance: ArrayLike, placed: ArrayLike, *, most_offset: float, longest: float
+) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:
+    """Return the centre in each ring, carried across rings whose own is not to be trusted, and which rings are.
+
+    A ring that stands partly in an open joint is drawn after it, and shows that by standing out all round. Over less
+    than `longest` its centre is taken from the rings before and behind it.
+
+    Args:
+        distance: (ring,) increasing [m].
+        placed: (ring, 5) of `centre_rings`.
+        most_offset: Offset all round beyond which a ring is not trusted [m].
+        longest: Longest stretch that is bridged [m].
+
+    Returns:
+        (ring, 2) centre_z, centre_y [m], and (ring,) flags.
+    """
+    distance, placed = np.asarray(distance, float), np.asarray(placed, float)
+    with np.errstate(invalid="ignore"):
+        good = (placed[:, 4] > _LEAST_AGREE) & (np.abs(placed[:, 2]) < most_offset)
+    centre = placed[:, :2].copy()
+    if not good.any():
+        return centre, np.isfinite(centre).all(axis=1)
+    for first, last in runs(~good).tolist():
+        before, after = max(first - 1, 0), min(last + 1, len(good) - 1)
+        own = np.isfinite(placed[first : last + 1, 0]).all()
+        if own and distance[after] - distance[before] > longest:
+            good[first : last + 1] = True
+    for column in centre.T:
+        column[~good] = np.interp(distance[~good], distance[good], column[good])
+    return centre, good
 
 
 def wall_deviation(ranges: ArrayLike, bearings: ArrayLike, sections: ArrayLike) -> NDArray[np.float32]:

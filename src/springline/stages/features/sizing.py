@@ -21,7 +21,7 @@ Row = dict[str, object]
 
 _TILT = np.radians(1.0)
 """One-sigma of a robot's tilt where nothing tells it."""
-_STEP_WINDOW = 0.1
+_STEP_WINDOW, _STEP_MOST = 0.1, 0.03
 _PAD = 1.0
 _OPEN = 0.02
 _INTRUSION = 0.7
@@ -45,7 +45,8 @@ class Sizer:
         names = ("kind", "bearing", "size", "depth", "probability", "first_ring", "last_ring")
         columns = [found[name].values for name in names]
         self.seen = [dict(zip(names, row, strict=True)) for row in zip(*(c[which] for c in columns), strict=True)]
-        self.count = int(np.clip(round(_STEP_WINDOW * wall.diameter / wall.spacing), 6, 60))
+        self.reach = min(_STEP_WINDOW * wall.diameter, _STEP_MOST)
+        self.count = int(np.clip(round(self.reach / wall.spacing), 6, 60))
         self.scatter = step_scatter(wall.chainage, wall.steps, window=self.count)
         self.ring_noise = np.full(3, float(np.median(wall.noise)) * np.sqrt(2.0 / len(wall.bearings)))
 
@@ -93,12 +94,18 @@ class Sizer:
         rows = slice(max(first - reach, 0), min(last + reach + 1, len(x)))
         noise = float(np.median(wall.noise[rows]))
         gap = None
-        if wall.in_joint[first]:
+        if np.isfinite(one["depth"]):
             before, after = (wall.deviation(rows, self._carried(rows, first, last, side)) for side in (-1, 1))
             gap = size_gap(before, after, x[rows], wall.bearings, noise=noise)
         at = gap.middle if gap else 0.5 * (x[first] + x[last])
         off = size_step(
-            x, wall.steps, at, window=_STEP_WINDOW * wall.diameter, scatter=self.scatter, noise=self.ring_noise
+            x,
+            wall.steps,
+            at,
+            reach=gap.reach if gap else 0.5 * (x[last] - x[first]),
+            window=self.reach,
+            scatter=self.scatter,
+            noise=self.ring_noise,
         )
         if gap is None and off is None:
             return None

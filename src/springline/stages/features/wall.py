@@ -8,7 +8,7 @@ import numpy as np
 from scipy.ndimage import uniform_filter
 
 from ...conventions import MASK_REASONS
-from ...geometry.marks import centre_rings, steady_shape, wall_deviation
+from ...geometry.marks import centre_rings, steady_shape, tracked_centres, wall_deviation
 from ...geometry.measures import polar_radius
 
 if TYPE_CHECKING:
@@ -22,7 +22,12 @@ _CODE = {name: code for code, name in MASK_REASONS.items()}
 _NO_WALL = [_CODE[name] for name in ("outlier", "water", "by_hand", "no_return", "out_of_range")]
 _UNSEEN = [_CODE[name] for name in ("no_return", "out_of_range")]
 _WIDEN = np.radians(8.0)
+_FOOT = 1.4
+"""How much farther a smooth bump reaches than it stands in by a fifth of its depth."""
 _MARGIN = 0.08
+_MOST_OFFSET = 0.004
+_BRIDGED = 0.7
+_WHOLE = 0.85
 
 
 class Patch(NamedTuple):
@@ -74,24 +79,26 @@ class Wall:
     def _footprints(self, found: xr.Dataset) -> np.ndarray:
         """Return which readings (ring, bearing) candidates take: openings and bumps with a margin about them."""
         out = found["opening"].values.astype(bool)
-        margin = max(1, round(_MARGIN * self.diameter / self.spacing))
         for k in np.flatnonzero((found["kind"].values == "inward") & (found["first_ring"].values >= 0)):
-            half = 0.5 * float(found["size"].values[k]) / (0.5 * self.diameter) + _WIDEN
+            half = _FOOT * 0.5 * float(found["size"].values[k]) / (0.5 * self.diameter) + _WIDEN
             off = np.abs(np.angle(np.exp(1j * (self.bearings - float(found["bearing"].values[k])))))
-            rows = slice(
-                max(int(found["first_ring"].values[k]) - margin, 0), int(found["last_ring"].values[k]) + margin
-            )
+            rows = self._foot(int(found["first_ring"].values[k]), int(found["last_ring"].values[k]))
             out[rows] |= off < half
         return out
+
+    def _foot(self, first: int, last: int) -> slice:
+        """Return the rings of a candidate and of the slopes before and behind it, too low to have been found."""
+        margin = round(0.5 * (_FOOT - 1.0) * (last - first) + max(1.0, _MARGIN * self.diameter / self.spacing))
+        return slice(max(first - margin, 0), min(last + margin + 1, len(self.chainage)))
 
     def _centre(self, section: xr.Dataset, found: xr.Dataset) -> None:
         """Place the lasting section in every ring."""
         count = len(self.chainage)
         taken = self.excluded.mean(axis=1) > 0.05
-        joint = found["kind"].values == "joint"
+        joint = (found["kind"].values == "joint") & np.isfinite(found["depth"].values)
         self.in_joint = np.zeros(count, bool)
         for first, last in zip(found["first_ring"].values[joint], found["last_ring"].values[joint], strict=True):
-            if first >= 0 and last - first != 1:
+            if first >= 0:
                 self.in_joint[max(first - 1, 0) : last + 2] = True
         shape = section["parameters"].values.copy()
         if not (taken | self.in_joint).all():
@@ -103,14 +110,14 @@ class Wall:
             rows = slice(low, min(low + _BLOCK, count))
             ranges = np.where(self.excluded[rows], np.float32(np.nan), self._ranges(rows))
             placed[rows] = centre_rings(ranges, self.bearings, shape[rows], start[rows], self.noise[rows])
-        good = (placed[:, 4] > 0.6) & ~self.in_joint
-        centre = placed[:, :2].copy()
-        for column in centre.T:
-            if good.any():
-                column[~good] = np.interp(self.chainage[~good], self.chainage[good], column[good])
-        self.sections = np.concatenate([centre, shape], axis=1)
         own = np.column_stack([placed[:, 0], placed[:, 1], shape[:, 0] + placed[:, 2]])
-        self.steps = np.where(good[:, None], own, np.nan)
+        whole = (placed[:, 4] > _WHOLE) & (np.abs(placed[:, 2]) < _MOST_OFFSET * self.diameter)
+        self.steps = np.where(whole[:, None], own, np.nan)
+        placed[self.in_joint] = np.nan
+        centre, _ = tracked_centres(
+            self.chainage, placed, most_offset=_MOST_OFFSET * self.diameter, longest=_BRIDGED * self.diameter
+        )
+        self.sections = np.concatenate([centre, shape], axis=1)
 
     def _ranges(self, rows: slice) -> np.ndarray:
         away = np.isin(self.mask["reason"][rows].values, _NO_WALL)
@@ -172,8 +179,8 @@ class Wall:
         bearing = middle + (np.arange(count) - count // 2) * (2.0 * np.pi / count)
         height = self.unrolled(rows, bearing, self.deviation(rows))
         away = self.unrolled(rows, bearing, self.excluded[rows]) | self.in_joint[rows, None]
-        margin = max(1, round(_MARGIN * self.diameter / self.spacing))
-        low, high = max(first - margin - rows.start, 0), min(last + margin + 1 - rows.start, len(height))
+        foot = self._foot(first, last)
+        low, high = max(foot.start - rows.start, 0), min(foot.stop - rows.start, len(height))
         height = height - self._going_on(height, away, self.chainage[rows], low, high)
         plain = np.where(away, np.nan, height)
         alike = _alike(plain, float(np.median(self.noise[rows])), self._cells(box))
