@@ -11,7 +11,7 @@ if TYPE_CHECKING:
 
     from .profiles import Axis
 
-_WIDE, _HIGH = 0.034, 0.11
+_DIGIT, _HIGH = 0.012, 0.11
 
 
 @dataclass(frozen=True)
@@ -41,12 +41,13 @@ def make_marks(features: pd.DataFrame, axis: Axis) -> tuple[Mark, ...]:
         for k, row in enumerate(features.itertuples(), 1)
         if isfinite(row.chainage_m)
     ]
+    wide = _DIGIT * (1 + len(str(len(features))))
     labelled: list[tuple[float, float]] = []
     marks = []
     # What has a place on the wall is labelled before what goes all the way round.
     for k, left, top in sorted(rows, key=lambda row: (row[2] is None, row[0])):
         at = (left, 0.0 if top is None else top)
-        free = all(abs(at[0] - x) > _WIDE or abs(at[1] - y) > _HIGH for x, y in labelled)
+        free = all(abs(at[0] - x) > wide or abs(at[1] - y) > _HIGH for x, y in labelled)
         if free:
             labelled.append(at)
         marks.append(Mark(left, top, str(k) if free else ""))
