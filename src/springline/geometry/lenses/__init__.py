@@ -5,7 +5,9 @@ Angles in radians from the optical axis; image radii in pixels from the image ce
 
 from __future__ import annotations
 
+from springline.geometry.lenses.boards import BoardFit, fit_boards
 from springline.geometry.lenses.fit import fit_lens
+from springline.geometry.lenses.joints import fit_joints
 from springline.geometry.lenses.lens import LENS_MODELS, Lens
 from springline.geometry.lenses.models import (
     MODELS,
@@ -26,9 +28,12 @@ from springline.geometry.lenses.results import LensCandidate, LensFit
 __all__ = [
     "LENS_MODELS",
     "MODELS",
+    "BoardFit",
     "Lens",
     "LensCandidate",
     "LensFit",
+    "fit_boards",
+    "fit_joints",
     "fit_lens",
     "image_radius",
     "image_slope",
