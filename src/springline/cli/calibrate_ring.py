@@ -107,7 +107,7 @@ def _read(paths: list[Path], options: dict[str, Any], diameter: float) -> dict[s
     for path in paths:
         if path.name in surveys:
             raise InputError("two scans have this name", where=path.name, mend="rename one of them")
-        survey = read_one(path, wanted, strict=False)
+        survey = ring_video(read_one(path, wanted, strict=False), Config())
         # A cloud is cut into rings about its own axis: it shows the scale, and no boresight.
         surveys[path.name] = survey if survey.has("rings") else rings(survey, Config())
     return surveys
