@@ -1,4 +1,5 @@
-"""Time and memory of the simulator: the ready scenario `weaving` in memory, and a kilometre streamed to disk.
+"""Time and memory of the simulator: the ready scenario `weaving` in memory, a quarter and a whole kilometre streamed to
+disk (the peak of memory shows whether it grows with the length), and frames of the ready cameras.
 
 Each runs in a process of its own, so that its peak of memory is its own; the first also says what compiling costs.
 """
@@ -39,14 +40,39 @@ def weaving() -> None:
     _tell(f"weaving, {survey.rings.sizes['ring']} rings of 360 in memory", start)
 
 
+def quarter() -> None:
+    """Stream 24,960 rings of 360 readings to disk."""
+    _stream("a quarter of a kilometre, 25,000 rings of 360, streamed", KILOMETRE.replace("1000.0", "250.0"))
+
+
 def kilometre() -> None:
     """Stream 99,960 rings of 360 readings to disk."""
+    _stream("a kilometre, 100,000 rings of 360, streamed", KILOMETRE)
+
+
+def _stream(what: str, scenario: str) -> None:
     from springline.simulate import parse, simulate_to
 
     with tempfile.TemporaryDirectory() as folder:
         start = time.perf_counter()
-        simulate_to(Path(folder) / "km.zarr.zip", parse(KILOMETRE))
-        _tell("a kilometre, 100,000 rings of 360, streamed", start)
+        simulate_to(Path(folder) / "km.zarr.zip", parse(scenario))
+        _tell(what, start)
+
+
+def frames() -> None:
+    """Render frames of the ready cameras in memory."""
+    from springline.simulate import Footage
+
+    for name in ("camera-short", "sewer", "ring-video"):
+        film = Footage(name)
+        film.image(0)
+        chosen = range(5, len(film), len(film) // 10)
+        start, busy = time.perf_counter(), time.process_time()
+        for k in chosen:
+            film.image(k)
+        one = (time.process_time() - busy) / len(chosen)
+        size = f"{film.camera.width}x{film.camera.height}"
+        _tell(f"{name}, {len(chosen)} frames of {size}, {one:.2f} s of one core each", start)
 
 
 def _tell(what: str, start: float) -> None:
@@ -55,8 +81,8 @@ def _tell(what: str, start: float) -> None:
 
 
 def main() -> None:
-    """Run both."""
-    for name in ("weaving", "kilometre"):
+    """Run all."""
+    for name in ("weaving", "quarter", "kilometre", "frames"):
         subprocess.run([sys.executable, "-c", f"from bench.simulate import {name}; {name}()"], check=True)
 
 

@@ -7,7 +7,7 @@ from math import atan2, exp, isnan, pi, sqrt
 import numpy as np
 from numba import njit
 
-from ..cast import SECTION, cast_one, locate
+from ..cast import SECTION, cast_one, gap_at, locate
 from ..wall import WATER
 from .noise import value_noise
 from .surfaces import CLOSE, colour_at, meet
@@ -148,6 +148,26 @@ def _tilted(x, normal, ahead, aside):
 
 
 @njit(cache=True, error_model="numpy", _nrt=False)
+def _shows_line(wall, scene, cell, start, way):
+    """Return whether a ray ends near one of the laser's lines, which show in water wherever one looks at it."""
+    if scene.laser.shape[0] == 0:
+        return False
+    laser = scene.laser[0]
+    n, source = laser.normal, laser.source
+    speed = n[0] * way[0] + n[1] * way[1] + n[2] * way[2]
+    off = n[0] * (source[0] - start[0]) + n[1] * (source[1] - start[1]) + n[2] * (source[2] - start[2])
+    for plane in range(2):
+        if plane == 1 and laser.ghost == 0.0:
+            break
+        t = (off + plane * laser.ghost_ahead) / speed if speed != 0.0 else -1.0
+        if t > 0.0:
+            gap, _, _ = gap_at(wall, cell, start[0], start[1], start[2], way[0], way[1], way[2], t)
+            if abs(gap) < 30.0 * laser.sigma:
+                return True
+    return False
+
+
+@njit(cache=True, error_model="numpy", _nrt=False)
 def light_of(wall, scene, origin, way, t, kind, cell, part, normal, edges, row, column):
     """Return the light (red, green, blue) that reaches a pixel along a ray that has met something at range t."""
     air = scene.air[0]
@@ -164,8 +184,7 @@ def light_of(wall, scene, origin, way, t, kind, cell, part, normal, edges, row, 
         start = (point[0] + 1e-5 * normal[0], point[1] + 1e-5 * normal[1], point[2] + 1e-5 * normal[2])
         share = 0.03 + 0.97 * max(0.0, 1.0 + dip) ** 5
         r, g, b = 0.35 * (1.0 - share) * r, 0.35 * (1.0 - share) * g, 0.35 * (1.0 - share) * b
-        # A laser is so bright that its mirror image shows wherever one looks on water.
-        if share > (0.02 if scene.laser.shape[0] else 0.06):
+        if (share > 0.06 and scene.lamps.shape[0] > 0) or _shows_line(wall, scene, cell, start, back):
             far, kind2, cell2, part2, normal2 = meet(wall, cell, start, back, 12.0 * scene.look[0].radius)
             if isnan(far) or kind2 == WATER:
                 share = 0.0

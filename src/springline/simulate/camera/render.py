@@ -9,7 +9,7 @@ import numpy as np
 from numba import njit, prange
 
 from ..cast import FACE
-from ..wall import JOINT, NOTHING, Wall
+from ..wall import JOINT, NOTHING, WATER, Wall
 from .light import light_of, veil
 from .surfaces import meet
 
@@ -178,6 +178,28 @@ def _fill(wall, eye, start, axes, rays, sight, nodes, node_keys):
     return reach, keys, normals
 
 
+@njit(cache=True, error_model="numpy", _nrt=False)
+def _is_dark(scene, eye, axes, rays, nodes, a, b):
+    """Return whether no light falls on smooth block (a, b): the laser's lines pass it by, and there is no other."""
+    if scene.laser.shape[0] == 0 or scene.lamps.shape[0] > 0:
+        return False
+    laser = scene.laser[0]
+    low, high = np.inf, -np.inf
+    for p in range(2):
+        for q in range(2):
+            i, j = min((a + p) * BLOCK, rays.shape[0] - 1), min((b + q) * BLOCK, rays.shape[1] - 1)
+            way, t = _turned(axes, rays[i, j, 0], rays[i, j, 1], rays[i, j, 2]), nodes[a + p, b + q]
+            off = 0.0
+            for k in range(3):
+                off += laser.normal[k] * (eye[k] + t * way[k] - laser.source[k])
+            low, high = min(low, off), max(high, off)
+    spare = 20.0 * laser.sigma + 2.0 * (high - low)
+    beside = low > spare or high < -spare
+    if laser.ghost > 0.0:
+        beside &= low - laser.ghost_ahead > spare or high - laser.ghost_ahead < -spare
+    return beside
+
+
 @njit(cache=True, parallel=True, error_model="numpy")
 def _shade(wall, scene, eye, start, axes, rays, samples, nodes, node_keys, node_normals, reach, keys, normals):
     """Return the light on each pixel, given what it shows."""
@@ -189,6 +211,8 @@ def _shade(wall, scene, eye, start, axes, rays, samples, nodes, node_keys, node_
         for b in range(nodes.shape[1] - 1):
             left, right = b * BLOCK, min((b + 1) * BLOCK, width - 1)
             smooth = _is_smooth(node_keys, nodes, a, b)
+            if smooth and node_keys[a, b] & 15 != WATER and _is_dark(scene, eye, axes, rays, nodes, a, b):
+                continue
             for i in range(top, min(top + BLOCK, height)):
                 for j in range(left, min(left + BLOCK, width)):
                     key = keys[i, j]
