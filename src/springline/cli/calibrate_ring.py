@@ -100,6 +100,7 @@ def _read(paths: list[Path], options: dict[str, Any], diameter: float) -> dict[s
     """Return the scans by file name; the reference's diameter tells the unit of bare ranges, as a nominal one does."""
     from ..config import Config
     from ..io.reading import read_one
+    from ..stages.ring_video import ring_video
     from ..stages.rings import rings
 
     wanted = reading.read_options(nominal=f"{diameter:.9f}m", **options)
