@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
+from scipy.special import ndtr
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
@@ -82,6 +83,8 @@ def fit_bore(
             damping *= 10.0
             if damping > 1e9:
                 break
+    values = _labelled(values, x, bearing, radius, inside, known, wall, noise, prior)
+    cost, residual, jacobian, weight = _linear(values, points, along, wall, noise, prior)
     normal = (jacobian * weight[:, None]).T @ jacobian + np.diag(prior)
     misfit = max(1.0, float(np.sum(weight * residual**2)) / max(len(points) - 4, 1))
     covariance = np.linalg.inv(normal) * misfit * _alike(residual * np.sqrt(weight))
@@ -148,6 +151,53 @@ def _linear(values: NDArray, points: NDArray, along: NDArray, wall: float, noise
     weight = robust / variance
     residual, jacobian = np.where(fine, residual, 0.0), np.where(fine[:, None], jacobian, 0.0)
     return float(np.sum(weight * residual**2) + prior[3] * values[3] ** 2), residual, jacobian, weight
+
+
+def _labelled(
+    values: NDArray,
+    x: NDArray,
+    bearing: NDArray,
+    radius: NDArray,
+    inside: NDArray,
+    known: NDArray,
+    wall: float,
+    noise: float,
+    prior: NDArray,
+) -> NDArray[np.float64]:
+    """Return the values for which every reading is likeliest to be where it is: on the wall or beyond the edge.
+
+    Middles between readings err outward where a row of them ends; what each reading says by itself does not.
+    """
+    theta = np.broadcast_to(bearing, x.shape)
+    step_x = float(np.median(np.abs(np.diff(x[:, 0])))) if len(x) > 1 else noise
+    step_theta = float(np.median(np.abs(np.diff(theta, axis=1))))
+    rows = known & (_distance(values, x, theta, radius, wall) < values[2])
+    x, theta, radius = x[rows], theta[rows], radius[rows]
+    sign = np.where(inside[rows], -1.0, 1.0)
+    for _ in range(12):
+        distance = _distance(values, x, theta, radius, wall)
+        jacobian = np.stack(
+            [(_distance(values + 1e-6 * unit, x, theta, radius, wall) - distance) / 1e-6 for unit in np.eye(4)], axis=1
+        )
+        slope_x = (_distance(values, x + 1e-6, theta, radius, wall) - distance) / 1e-6
+        slope_theta = (_distance(values, x, theta + 1e-6, radius, wall) - distance) / 1e-6
+        scale = 0.35 * np.hypot(slope_x * step_x, slope_theta * step_theta) + noise
+        fine = np.isfinite(distance) & np.isfinite(jacobian).all(axis=1) & (np.abs(distance) < 4.0 * scale)
+        if fine.sum() < 8:
+            break
+        score = np.clip(distance / scale, -4.0, 4.0)[fine]
+        share = np.clip(ndtr(score), 1e-4, 1.0 - 1e-4)
+        density = np.exp(-0.5 * score**2) / np.sqrt(2.0 * np.pi)
+        pull = np.where(sign[fine] > 0, density / share, -density / (1.0 - share)) / scale[fine]
+        weight = density**2 / (share * (1.0 - share)) / scale[fine] ** 2
+        normal = (jacobian[fine] * weight[:, None]).T @ jacobian[fine] + np.diag(prior)
+        move = np.linalg.solve(normal, jacobian[fine].T @ pull - prior * values)
+        move = np.clip(move, -0.2 * values[2], 0.2 * values[2])
+        values = values + move
+        values[3] = np.clip(values[3], -_MOST_LEAN, _MOST_LEAN)
+        if np.abs(move).max() < 1e-6:
+            break
+    return values
 
 
 def _start(x: NDArray, bearing: NDArray, radius: NDArray, inside: NDArray) -> NDArray[np.float64]:

@@ -54,7 +54,7 @@ def confidence(score: ArrayLike, looks: float, *, expected: float, tails: float 
         tails: Degrees of freedom of Student's t for chance.
 
     >>> confidence([4.0, 12.0], 1e4, expected=1.0).round(3).tolist()
-    [0.1, 1.0]
+    [0.102, 1.0]
     """
     false = looks * student.sf(np.asarray(score, float), tails)
     return expected / (expected + false)

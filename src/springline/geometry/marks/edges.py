@@ -50,7 +50,7 @@ def edge_between(before: ArrayLike, after: ArrayLike, bearings: ArrayLike) -> Ed
     >>> bearings = np.radians(np.arange(0.0, 360.0, 10.0))
     >>> edge = edge_between(np.full(36, 0.002), np.full(36, 0.003), bearings)
     >>> print(edge.plane[0].round(4), 1e3 * np.sqrt(edge.covariance[0, 0]).round(4))
-    0.0025 0.2...
+    0.0025 0.3
     """
     before, after, bearings = (np.asarray(v, float) for v in (before, after, bearings))
     known = np.flatnonzero(np.isfinite(before) & np.isfinite(after))
