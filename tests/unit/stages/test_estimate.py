@@ -151,3 +151,29 @@ def test_ovality_interval_holds_zero_for_round_pipes():
     ranges = 0.15 + 0.001 * RNG.standard_normal((1000, len(BEARINGS)))
     found = metrics(estimate(masked(ranges), Config()), Config()).metrics
     assert 0.90 <= np.mean(found["ovality_polar_low"].values == 0.0) <= 0.98
+
+
+@pytest.fixture
+def restless(monkeypatch):
+    """A joint estimate that did not come to rest, in the place of the one that would be made."""
+    from types import SimpleNamespace
+
+    from springline.stages.estimate import stage
+
+    monkeypatch.setattr(stage, "why_not", lambda survey: "")
+    monkeypatch.setattr(
+        stage, "estimate_survey", lambda survey, fitted: SimpleNamespace(converged=False, iterations=40)
+    )
+
+
+def test_a_joint_estimate_that_is_not_at_rest_is_left_aside(restless):
+    found = estimate(masked(noisy(seen_from(0.004, -0.006))), Config())
+    assert "had not come to rest after 40 steps" in found.warnings[0]
+    assert not found.has("layout")
+    assert np.isnan(found.pose["pitch"]).all()
+    assert found.pose["offset_y"].values == pytest.approx(0.004, abs=3e-4)
+
+
+def test_asked_for_by_name_it_is_refused(restless):
+    with pytest.raises(InputError, match="had not come to rest after 40 steps"):
+        estimate(masked(noisy(seen_from(0.0, 0.0))), make_config({"estimate": {"method": "joint"}}))

@@ -55,7 +55,7 @@ def estimate(survey: Survey, config: Config) -> Survey:
     joint = None
     if wanted:
         try:
-            joint = estimate_survey(survey, fitted)
+            joint = _at_rest(estimate_survey(survey, fitted))
         except InputError as error:
             if settings.method == "joint":
                 raise
@@ -77,6 +77,18 @@ def estimate(survey: Survey, config: Config) -> Survey:
     survey = _explain_joint(survey, joint)
     survey = survey.with_group("pose", groups.pose_of_joint(joint)).with_group("section", section)
     return survey if "axis" in joint.why_missing else survey.with_group("layout", layout(survey, joint, _start(rings)))
+
+
+def _at_rest(joint: JointEstimate) -> JointEstimate:
+    """Return an estimate that came to rest; refuse one that did not, whose sigma would say too little."""
+    if joint.converged:
+        return joint
+    raise InputError(
+        f"the estimate had not come to rest after {joint.iterations} steps",
+        where="estimate.method",
+        expected="a robot that drives where it points, within a few degrees, and clocks and readings that agree",
+        mend="check the sensor's position on the robot, the clocks and the inertial log's axes",
+    )
 
 
 def _without_openings(survey: Survey) -> xr.Dataset:
