@@ -86,6 +86,16 @@ def test_charts_hold_the_extremes_and_break_at_gaps(survey, made):
     assert band_path(profiles, make_axis(2.0, 4.0), x, x + np.nan) == ""
 
 
+def test_unseen_stretches_are_listed_and_sum_to_the_headline(survey, made):
+    rows = made[0].unseen.rows
+    # Readings are missing on the left from 7.0 to 7.6 m and nearly all round from 12.0 to 12.4 m; no station at 27 m.
+    assert [row[3] for row in rows] == ["coverage under 50 %"] * 2 + ["no stations"]
+    assert [float(cell) for row in rows for cell in row[:2]] == pytest.approx(
+        [7.0, 7.6, 12.0, 12.4, 27.0, 27.5], abs=0.03
+    )
+    assert sum(float(row[2]) for row in rows) == pytest.approx(Results(survey).unseen, abs=0.02)
+
+
 def test_page_is_one_file_with_labelled_charts_and_tables(made):
     report, page = made
     tags = Tags(page)

@@ -81,6 +81,7 @@ def content(report: Report, folder: Path) -> dict[str, Any]:
         "xtitle": f"Chainage [{report.scales.length.name}]",
         "readings": _table(report.readings),
         "statuses": _table(report.statuses),
+        "unseen": _table(report.unseen),
         "charts": [_chart(one, report, width, silent=True) for one in report.charts],
         "layout": [_chart(one, report, width, silent=False) for one in report.layout],
         "layout_lists": [{"title": title, **_table(table)} for title, table in report.layout_lists],

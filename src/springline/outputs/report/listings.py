@@ -8,10 +8,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ...conventions import FIT_STATUS, MASK_REASONS, clock_from_bearing
+from ...conventions import clock_from_bearing
 from ..results import feature_count
 from ..summary import summary
-from ..unroll import REASON_WORDS
 from .texts import SIGMAS_95, clock_text, measured, number
 
 if TYPE_CHECKING:
@@ -20,6 +19,9 @@ if TYPE_CHECKING:
 
 _WORST = 10
 _STRETCHES = 20
+
+_OPTIONAL = ("Further", "Image")
+_WORDS = ("Kind", "Further", "Source", "Image")
 
 LISTED = 2000
 """Features that the list holds at most, so that the page stays below 5 MB."""
@@ -100,7 +102,10 @@ def features_listing(results: Results, table: Any, scales: Scales) -> Table:
         )
         for k, row in enumerate(table.itertuples(), 1)
     )
-    return Table(headings, rows, frozenset({1, 7, 9, 10}))
+    # Columns in which no feature has anything to say are left out.
+    kept = [k for k, name in enumerate(headings) if name not in _OPTIONAL or any(row[k] != "–" for row in rows)]
+    words = frozenset(place for place, k in enumerate(kept) if headings[k] in _WORDS)
+    return Table(tuple(headings[k] for k in kept), tuple(tuple(row[k] for k in kept) for row in rows), words)
 
 
 def _further(results: Results, scales: Scales) -> list[str]:
@@ -229,30 +234,3 @@ def stretches_table(results: Results, scales: Scales) -> Table:
 
 def _largest(values: np.ndarray) -> float:
     return float(np.nanmax(values)) if np.isfinite(values).any() else float("nan")
-
-
-def readings_table(results: Results) -> Table:
-    """Return how many readings were used, and why not the others."""
-    counts = results.reason_counts
-    total = max(sum(counts.values()), 1)
-    rows = tuple(
-        (REASON_WORDS[MASK_REASONS[flag]], f"{count:,}".replace(",", "\u2009"), f"{100 * count / total:.2f}")
-        for flag, count in counts.items()
-        if flag in MASK_REASONS
-    )
-    return Table(("Readings", "Number", "Share [%]"), rows)
-
-
-def statuses_table(results: Results, scales: Scales) -> Table:
-    """Return how many stations have a section, and why not the others."""
-    start, end = results.extents
-    rows = tuple(
-        (
-            word,
-            str(int((results.status == flag).sum())),
-            scales.length.number(float((end - start)[results.status == flag].sum()), 2),
-        )
-        for flag, word in FIT_STATUS.items()
-        if (results.status == flag).any()
-    )
-    return Table(("Stations", "Number", f"Length [{scales.length.name}]"), rows)

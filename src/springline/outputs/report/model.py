@@ -24,6 +24,7 @@ from .marks import Mark, make_marks
 from .pictures import Picture, make_pictures
 from .profiles import Axis, Profiles
 from .scales import Scales, make_scales
+from .sight import readings_table, statuses_table, unseen_table
 from .words import Words, make_words
 
 if TYPE_CHECKING:
@@ -85,6 +86,7 @@ class Report:
     stretches: Table
     readings: Table
     statuses: Table
+    unseen: Table
     words: Words
     inputs: tuple[dict[str, Any], ...]
     command: str
@@ -138,8 +140,9 @@ def make_report(results: Results, wall: Unrolled, config_toml: str) -> Report:
         worst=listings.worst_table(results, worst, scales),
         definitions=definitions_table(results, scales),
         stretches=listings.stretches_table(results, scales),
-        readings=listings.readings_table(results),
-        statuses=listings.statuses_table(results, scales),
+        readings=readings_table(results),
+        statuses=statuses_table(results, scales),
+        unseen=unseen_table(results, scales),
         words=make_words(
             results,
             scales,
