@@ -26,7 +26,7 @@ def smallest_radius() -> float:
     return _SMALLEST
 
 
-def circles_of(arcs: Sequence[Array], diagonal: float) -> tuple[Array, Array]:
+def circles_of(arcs: Sequence[Array], diagonal: float, *, one_sense: bool = True) -> tuple[Array, Array]:
     """Return circles through single arcs and through pairs of arcs that fit one circle with the same sense.
 
     All pairs are fitted at once by Kasa's method from sums over each arc.
@@ -34,9 +34,10 @@ def circles_of(arcs: Sequence[Array], diagonal: float) -> tuple[Array, Array]:
     Args:
         arcs: Arrays (n, 6) as of `smooth_arcs`.
         diagonal: Of the frame [px]; bounds the radius.
+        one_sense: Whether the light must rise, or fall, outwards all round.
 
     Returns:
-        Ellipses (m, 5) and their senses (m): +1 where the light rises outwards.
+        Ellipses (m, 5) and their senses (m): +1 where the light rises outwards; 0 unless `one_sense`.
     """
     arcs = sorted(arcs, key=len, reverse=True)[:_MOST_ARCS]
     if not arcs:
@@ -58,9 +59,10 @@ def circles_of(arcs: Sequence[Array], diagonal: float) -> tuple[Array, Array]:
         near = np.maximum(_OFF[0], _OFF[1] * np.clip(radius, 0.0, 120.0))
         fits &= (off_first < near) & (off_second < near)
         fits &= (np.abs(aligned_first) > _ALIGNED) & (np.abs(aligned_second) > _ALIGNED)
-        fits &= aligned_first * aligned_second > 0
+        if one_sense:
+            fits &= aligned_first * aligned_second > 0
     circles = np.column_stack([centre + origin, radius, radius, np.zeros_like(radius)])
-    return circles[fits], np.sign(aligned_first[fits])
+    return circles[fits], np.sign(aligned_first[fits]) * one_sense
 
 
 def kasa_circle(points: Array) -> tuple[Array, float]:

@@ -49,6 +49,7 @@ class EdgeField:
         light: Logarithm of the light, times 50: (row, column).
         grey: Blurred grey levels (row, column), for how dark a place is.
         box: First and last column, first and last row inside the frame's border.
+        seen: (row, column) whether there is anything to see; edges of what is not are none.
         scale: Working pixels per pixel of the frame (2): along columns and rows.
     """
 
@@ -57,6 +58,7 @@ class EdgeField:
     light: NDArray[np.float32]
     grey: NDArray[np.float32]
     box: Array
+    seen: NDArray[np.bool_]
     scale: Array
 
     @property
@@ -65,7 +67,9 @@ class EdgeField:
         return math.hypot(*self.index.shape)
 
 
-def edge_field(image: NDArray[np.uint8], pixels: int = WORKING_PIXELS) -> EdgeField | None:
+def edge_field(
+    image: NDArray[np.uint8], pixels: int = WORKING_PIXELS, seen: NDArray[np.bool_] | None = None
+) -> EdgeField | None:
     """Return the edge points of a frame, or None for one that is black all over.
 
     The light is taken as its logarithm, so that an edge counts alike near the lamp and far from it; a point is an edge
@@ -74,12 +78,15 @@ def edge_field(image: NDArray[np.uint8], pixels: int = WORKING_PIXELS) -> EdgeFi
     Args:
         image: (row, column, 3) of 8 bits.
         pixels: Working size.
+        seen: (row, column) which pixels hold a picture, where not all do; then the picture is not resized.
 
     Returns:
         EdgeField, or None.
     """
     cv2 = opencv()
     rows, columns = image.shape[:2]
+    if seen is not None:
+        pixels = rows * columns
     wide = rows * 4.0 / 3.0 if (columns, rows) in _VIDEO else columns
     shrink = min(1.0, math.sqrt(pixels / (rows * wide)))
     size = (max(1, round(wide * shrink)), max(1, round(rows * shrink)))
@@ -93,13 +100,17 @@ def edge_field(image: NDArray[np.uint8], pixels: int = WORKING_PIXELS) -> EdgeFi
     across, down = (cv2.Scharr(light, cv2.CV_32F, *order) / 32.0 for order in ((1, 0), (0, 1)))
     slope = np.hypot(across, down)
     around = cv2.blur(slope, (_SURROUNDINGS, _SURROUNDINGS))
+    if seen is None:
+        seen = np.ones(small.shape[:2], dtype=bool)
+    else:
+        seen = cv2.erode(seen.astype(np.uint8), np.ones((9, 9), np.uint8), borderValue=1) > 0
     strength = slope / (around + _LOG_SCALE * (_QUANTUM / (blurred + _LIGHT_OFFSET) + _RELATIVE))
     left, right, top, bottom = box.astype(int)
     inside = np.zeros(strength.shape, dtype=bool)
-    inside[top : bottom + 1, left : right + 1] = True
+    inside[top : bottom + 1, left : right + 1] = seen[top : bottom + 1, left : right + 1]
     points, index = _thinned(across, down, slope, np.where(inside, strength, 0.0), _WEAK, _MARGIN)
     scale = np.array([small.shape[1] / columns, small.shape[0] / rows])
-    return EdgeField(points, index, light, blurred, box, scale)
+    return EdgeField(points, index, light, blurred, box, seen, scale)
 
 
 def _inside(image: NDArray[np.uint8]) -> Array | None:

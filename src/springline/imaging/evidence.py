@@ -63,7 +63,7 @@ def support(field: EdgeField, ellipse: ArrayLike, sense: float, reach: float = _
     Args:
         field: Edge field of the frame.
         ellipse: (5,) as above.
-        sense: +1 where the light rises outwards, -1 where it falls.
+        sense: +1 where the light rises outwards, -1 where it falls, 0 where it may do either.
         reach: How far off an edge point may lie [px].
 
     Returns:
@@ -72,36 +72,45 @@ def support(field: EdgeField, ellipse: ArrayLike, sense: float, reach: float = _
     hits = np.empty(_MOST_SAMPLES, np.int64)
     shape = np.asarray(ellipse, dtype=float)
     evidence, coverage, chance, count, samples = _evidence(
-        field.points, field.index, field.grey, field.box, shape, float(sense), reach, hits, np.empty_like(hits)
+        field.points,
+        field.index,
+        field.grey,
+        field.box,
+        field.seen,
+        shape,
+        float(sense),
+        reach,
+        hits,
+        np.empty_like(hits),
     )
     return Support(evidence, coverage, chance, samples, hits[:count].copy())
 
 
 def rank(field: EdgeField, ellipses: Array, senses: Array) -> Array:
     """Return the evidence (n) for many ellipses (n, 5) at once."""
-    return _rank(field.points, field.index, field.grey, field.box, ellipses, senses, _REACH)
+    return _rank(field.points, field.index, field.grey, field.box, field.seen, ellipses, senses, _REACH)
 
 
 @njit(cache=True)
-def _rank(points, index, grey, box, ellipses, senses, reach):  # type: ignore[no-untyped-def]
+def _rank(points, index, grey, box, seen_at, ellipses, senses, reach):  # type: ignore[no-untyped-def]
     found = np.empty(len(ellipses))
     hits = np.empty(_MOST_SAMPLES, np.int64)
     beside = np.empty(_MOST_SAMPLES, np.int64)
     for k in range(len(ellipses)):
-        found[k] = _evidence(points, index, grey, box, ellipses[k], senses[k], reach, hits, beside)[0]
+        found[k] = _evidence(points, index, grey, box, seen_at, ellipses[k], senses[k], reach, hits, beside)[0]
     return found
 
 
 @njit(cache=True)
-def _evidence(points, index, grey, box, ellipse, sense, reach, hits, beside):  # type: ignore[no-untyped-def]
-    found, samples, count = _count(points, index, box, ellipse, 0.0, sense, reach, hits)
+def _evidence(points, index, grey, box, seen_at, ellipse, sense, reach, hits, beside):  # type: ignore[no-untyped-def]
+    found, samples, count = _count(points, index, box, seen_at, ellipse, 0.0, sense, reach, hits)
     if samples < _FEWEST_SAMPLES:
         return -np.inf, 0.0, 0.0, count, samples
     chance, counted = 0.05, 0.5
     for offset in (-13.0, -10.0, -7.0, 7.0, 10.0, 13.0):
         if ellipse[3] + offset < 4.0:
             continue
-        others, there, _ = _count(points, index, box, ellipse, offset, sense, reach, beside)
+        others, there, _ = _count(points, index, box, seen_at, ellipse, offset, sense, reach, beside)
         if there > 5:
             chance += others / there
             counted += 1.0
@@ -123,7 +132,7 @@ def _evidence(points, index, grey, box, ellipse, sense, reach, hits, beside):  #
 
 
 @njit(cache=True)
-def _count(points, index, box, ellipse, offset, sense, reach, hits):  # type: ignore[no-untyped-def]
+def _count(points, index, box, seen_at, ellipse, offset, sense, reach, hits):  # type: ignore[no-untyped-def]
     """Hits and samples inside the frame along the curve `offset` outside the ellipse, and all samples round it."""
     major, minor = ellipse[2], ellipse[3]
     cos, sin = math.cos(ellipse[4]), math.sin(ellipse[4])
@@ -140,7 +149,7 @@ def _count(points, index, box, ellipse, offset, sense, reach, hits):  # type: ig
         x, y = ellipse[0] + cos * u - sin * v, ellipse[1] + sin * u + cos * v
         out_x, out_y = cos * normal_u - sin * normal_v, sin * normal_u + cos * normal_v
         hits[k] = -1
-        if x < box[0] or x > box[1] or y < box[2] or y > box[3]:
+        if x < box[0] or x > box[1] or y < box[2] or y > box[3] or not seen_at[round(y), round(x)]:
             continue
         samples += 1
         hits[k] = 0
@@ -150,7 +159,10 @@ def _count(points, index, box, ellipse, offset, sense, reach, hits):  # type: ig
             if column < 0 or row < 0 or column >= index.shape[1] or row >= index.shape[0]:
                 continue
             point = index[row, column]
-            if point < 0 or sense * (points[point, 2] * out_x + points[point, 3] * out_y) < _COSINE:
+            if point < 0:
+                continue
+            rises = points[point, 2] * out_x + points[point, 3] * out_y
+            if (abs(rises) if sense == 0.0 else sense * rises) < _COSINE:
                 continue
             off = abs((points[point, 0] - x) * out_x + (points[point, 1] - y) * out_y)
             if off < nearest:

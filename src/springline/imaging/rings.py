@@ -25,12 +25,28 @@ if TYPE_CHECKING:
 _HOPEFUL = 8.0  # evidence of a circle that is looked at again
 _MOST = 40  # circles refined
 _CLIMBED = 12  # rings whose ellipse is moved to the most evidence
-_ROUNDEST = 0.8  # least ratio of axes
-_ROUND = 0.05  # one-sigma of how far the axes of a joint differ, relative
 _TURN = 0.4  # share of the turn in which points must lie before an ellipse is fitted to them
 _PROFILE = 16  # px inside and outside that a profile spans
 _NARROW = 4  # px within which the edge of a joint bends
 _OBVIOUS = 3.0  # least height of a lit rim in the profile
+
+
+@dataclass(frozen=True)
+class Shape:
+    """What rings may look like.
+
+    Attributes:
+        one_sense: Whether the light must rise, or fall, outwards all round: true of a joint, not of an opening.
+        least_ratio: Of the axes.
+        flatness: One-sigma of how far the axes differ, relative.
+    """
+
+    one_sense: bool = True
+    least_ratio: float = 0.8
+    flatness: float = 0.05
+
+
+JOINT_SHAPE = Shape()
 
 
 @dataclass(frozen=True)
@@ -39,10 +55,11 @@ class Ring:
 
     Attributes:
         ellipse: (5,) as in `evidence`, in working pixels.
-        sense: +1 where the light rises outwards.
+        sense: +1 where the light rises outwards, -1 where it falls, 0 where either counts.
         support: Its evidence.
         sharpness: Largest bend of the light across it within 4 px, relative to all change within 10 px.
         rim: How far outside a lit rim runs along it [px]; 0 where there is none.
+        shape: What it was allowed to look like.
     """
 
     ellipse: Array
@@ -50,11 +67,12 @@ class Ring:
     support: Support
     sharpness: float = math.nan
     rim: float = 0.0
+    shape: Shape = JOINT_SHAPE
 
     @property
     def evidence(self) -> float:
         """Logarithm of the likelihood ratio, less what its flattening costs."""
-        return self.support.evidence - _flattening(self.ellipse)
+        return self.support.evidence - _flattening(self.ellipse, self.shape)
 
     @property
     def on_rim(self) -> Array:
@@ -64,17 +82,18 @@ class Ring:
         return moved
 
 
-def find_rings(field: EdgeField, cost: Callable[[Array], Array]) -> list[Ring]:
+def find_rings(field: EdgeField, cost: Callable[[Array], Array], shape: Shape = JOINT_SHAPE) -> list[Ring]:
     """Return the rings of a frame, most evidence first; many may belong to one joint.
 
     Args:
         field: Edge field of the frame.
         cost: What the place of ellipses (n, 5) costs them, in units of evidence.
+        shape: What they may look like.
 
     Returns:
         Rings with their evidence; profiles are not taken yet.
     """
-    circles, senses = circles_of(smooth_arcs(field), field.diagonal)
+    circles, senses = circles_of(smooth_arcs(field), field.diagonal, one_sense=shape.one_sense)
     hopeful = cost(circles) < 30.0
     circles, senses = circles[hopeful], senses[hopeful]
     if not len(circles):
@@ -82,7 +101,7 @@ def find_rings(field: EdgeField, cost: Callable[[Array], Array]) -> list[Ring]:
     merit = rank(field, circles, senses) - cost(circles)
     rings = []
     for k in _distinct(circles, senses, merit):
-        ring = _refined(field, circles[k], float(senses[k]), cost)
+        ring = _refined(field, circles[k], float(senses[k]), cost, shape)
         if ring is not None:
             rings.append(ring)
     rings.sort(key=lambda ring: -_merit(ring, cost))
@@ -108,8 +127,8 @@ def _merit(ring: Ring, cost: Callable[[Array], Array]) -> float:
     return ring.evidence - float(cost(ring.ellipse[None])[0])
 
 
-def _flattening(ellipse: Array) -> float:
-    return 0.5 * ((1.0 - float(ellipse[3] / ellipse[2])) / _ROUND) ** 2
+def _flattening(ellipse: Array, shape: Shape) -> float:
+    return 0.5 * ((1.0 - float(ellipse[3] / ellipse[2])) / shape.flatness) ** 2
 
 
 def _distinct(circles: Array, senses: Array, merit: Array) -> list[int]:
@@ -125,24 +144,24 @@ def _distinct(circles: Array, senses: Array, merit: Array) -> list[int]:
     return kept
 
 
-def _refined(field: EdgeField, circle: Array, sense: float, cost: Callable[[Array], Array]) -> Ring | None:
+def _refined(field: EdgeField, circle: Array, sense: float, cost: Callable[[Array], Array], like: Shape) -> Ring | None:
     """The best of the circle and the ellipses fitted to the points that it hits."""
     best: Ring | None = None
     shape = circle
     for attempt in range(3):
-        ring = Ring(shape.copy(), sense, support(field, shape, sense))
+        ring = Ring(shape.copy(), sense, support(field, shape, sense), shape=like)
         merit = ring.support.evidence - float(cost(shape[None])[0])
         if best is None or merit > best.support.evidence - float(cost(best.ellipse[None])[0]):
             best = ring
         hit = support(field, shape, sense, reach=1.8 if attempt else 2.5).points
-        fitted = _ellipse(field.points[hit, :2], shape) if len(hit) >= 10 else None
+        fitted = _ellipse(field.points[hit, :2], shape, like.least_ratio) if len(hit) >= 10 else None
         if fitted is None or not smallest_radius() < fitted[2] < 1.6 * field.diagonal:
             break
         shape = fitted
     return best
 
 
-def _ellipse(points: Array, near: Array) -> Array | None:
+def _ellipse(points: Array, near: Array, least_ratio: float) -> Array | None:
     """Ellipse through points spread over enough of the turn, else a circle."""
     turn = np.arctan2(points[:, 1] - near[1], points[:, 0] - near[0])
     if np.mean(np.histogram(turn, 24, (-np.pi, np.pi))[0] > 0) >= _TURN and len(points) >= 12:
@@ -150,7 +169,7 @@ def _ellipse(points: Array, near: Array) -> Array | None:
         (x, y), (width, height), degrees = cv2.fitEllipseDirect(points.astype(np.float32))
         angle = math.radians(degrees) + (0.0 if width >= height else 0.5 * math.pi)
         axes = sorted((0.5 * width, 0.5 * height), reverse=True)
-        if np.isfinite([x, y, *axes]).all() and axes[1] >= _ROUNDEST * axes[0]:
+        if np.isfinite([x, y, *axes]).all() and axes[1] >= least_ratio * axes[0]:
             return np.array([x, y, *axes, angle])
     centre, radius = kasa_circle(points)
     return np.array([*centre, radius, radius, 0.0]) if math.isfinite(radius) else None
@@ -186,10 +205,11 @@ def _climbed(field: EdgeField, ring: Ring, cost: Callable[[Array], Array]) -> Ri
             if not len(trial):
                 break
             merits = rank(field, trial, np.full(len(trial), ring.sense)) - cost(trial)
-            merits -= np.array([_flattening(one) for one in trial])
+            merits -= np.array([_flattening(one, ring.shape) for one in trial])
             if merits.max() > merit + 0.5:
                 shape = trial[int(np.argmax(merits))]
-                best, merit = Ring(shape, ring.sense, support(field, shape, ring.sense)), float(merits.max())
+                best = Ring(shape, ring.sense, support(field, shape, ring.sense), shape=ring.shape)
+                merit = float(merits.max())
             if best is before:
                 break
     return best
