@@ -25,6 +25,7 @@ _RUN = 0.75
 _EDGE = 0.1
 _CORNER = 0.14
 """One-sigma of a corner's place in steps between knots."""
+_ROUNDED = 2.5
 _FEWEST = 3
 _STEPS = 25
 
@@ -137,3 +138,21 @@ def _fit(at, direction, spread, first, last) -> Bend | None:
         angle_sigma=float(np.sqrt(spread[3, 3])),
         radius_sigma=float(np.sqrt(gradient @ spread @ gradient)),
     )
+
+
+def rounding(bends: tuple[Bend, ...], chainage: np.ndarray, step: float) -> np.ndarray:
+    """Return by how much pitch and yaw are in doubt about the ends of bends, where knots round the corner (n, 2) [rad].
+
+    Args:
+        bends: The bends.
+        chainage: Of the stations [m] (n,).
+        step: Between knots [m].
+    """
+    out = np.zeros((len(chainage), 2))
+    for bend in bends:
+        plane = np.array([np.sin(bend.towards), np.cos(bend.towards)])
+        for end in (bend.start, bend.start + bend.length):
+            near = np.clip(1.0 - np.abs(chainage - end) / (_ROUNDED * step), 0.0, None)
+            # A corner between two knots may lie half a step from where they put it.
+            out += (0.5 * step / bend.radius * np.sqrt(near)[:, None] * plane) ** 2
+    return np.sqrt(out)

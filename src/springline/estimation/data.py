@@ -5,8 +5,14 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.ndimage import gaussian_filter1d
 
 from ..errors import InputError
+from .rotations import pipe_frame
+
+GRAVITY = 9.80665
+"""Standard gravity [m/s2]."""
+_SMOOTHING = 0.1
 
 
 @dataclass(frozen=True)
@@ -54,11 +60,13 @@ class Inertial:
         time: By its own clock [s] (m,), increasing.
         gyro: Right-handed rates about robot x, y, z [rad/s] (m, 3).
         accel: Specific force [m/s2] (m, 3), +g on y at rest.
+        derived: Whether rates and force were made from attitudes, so that they cannot show the unit's own bias.
     """
 
     time: np.ndarray
     gyro: np.ndarray
     accel: np.ndarray
+    derived: bool = False
 
     def __post_init__(self) -> None:
         count = len(self.time)
@@ -66,6 +74,37 @@ class Inertial:
             if np.shape(getattr(self, name)) != (count, 3):
                 raise InputError(f"inertial.{name} has shape {np.shape(getattr(self, name))}", expected=f"{(count, 3)}")
         _increasing("inertial.time", self.time)
+
+    @classmethod
+    def from_attitude(
+        cls, time: np.ndarray, heading: np.ndarray, inclination: np.ndarray, bank: np.ndarray
+    ) -> Inertial:
+        """Return the log that a unit which tells attitude alone stands for: its rates, and gravity on its axes.
+
+        Angles are smoothed by a tenth of a second, as white noise in them would be read as turning.
+
+        Args:
+            time: By the unit's clock [s] (m,), increasing.
+            heading: Clockwise from north [rad] (m,).
+            inclination: Nose up [rad] (m,).
+            bank: Right side down [rad] (m,).
+
+        >>> level = np.zeros(50)
+        >>> log = Inertial.from_attitude(np.arange(50) * 0.1, 0.01 * np.arange(50), level, level)
+        >>> log.gyro[25].round(4).tolist(), log.accel[25].round(3).tolist()
+        ([0.0, -0.1, 0.0], [0.0, 9.807, 0.0])
+        """
+        step = float(np.median(np.diff(time)))
+        angles = np.stack([np.unwrap(heading), inclination, bank], axis=1)
+        angles = gaussian_filter1d(angles, max(_SMOOTHING / step, 1e-3), axis=0, mode="nearest")
+        x, level, z = pipe_frame(angles[:, 0], angles[:, 1])
+        cos, sin = np.cos(angles[:, 2:]), np.sin(angles[:, 2:])
+        axes = np.stack([x, cos * level + sin * z, cos * z - sin * level], axis=2)
+        turn = np.swapaxes(axes[:-1], 1, 2) @ axes[1:]
+        rate = 0.5 * np.stack([turn[:, k, j] - turn[:, j, k] for j, k in ((1, 2), (2, 0), (0, 1))], axis=1)
+        rate = rate / np.diff(time)[:, None]
+        padded = np.concatenate([rate[:1], rate, rate[-1:]])
+        return cls(np.asarray(time, float), 0.5 * (padded[1:] + padded[:-1]), GRAVITY * axes[:, 2, :], True)
 
 
 @dataclass(frozen=True)

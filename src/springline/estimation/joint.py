@@ -7,8 +7,8 @@ from dataclasses import replace
 import numpy as np
 
 from ..errors import InputError
-from .bends import find_bends
-from .data import Inertial, Rings, Ties
+from .bends import find_bends, rounding
+from .data import GRAVITY, Inertial, Rings, Ties
 from .harmonics import Harmonics
 from .iterate import Solution, iterate
 from .options import JointOptions
@@ -148,6 +148,15 @@ def _told(
     if problem.track is not None:
         chainage = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(state.axis, axis=0), axis=1))])
         bends = find_bends(chainage, state.knots[:, DIRECTION], solution.covariance)
+        rounded = rounding(bends, values["chainage"], problem.step)
+        for k in (0, 1):
+            values["pose_covariance"][:, 2 + k, 2 + k] += rounded[:, k] ** 2
+        values["direction_sigma"] = np.hypot(values["direction_sigma"], rounded[:, ::-1])
+        if problem.track.derived:
+            # What tells up is itself in doubt by the unit's bias, and nothing in the log shows it.
+            level = (problem.options.accel_bias / GRAVITY) ** 2
+            values["pose_covariance"][:, 4, 4] += level
+            values["direction_sigma"][:, 1] = np.hypot(values["direction_sigma"][:, 1], np.sqrt(level))
         sags = find_sags(chainage, state.knots, state.axis[:, 2], solution.covariance)
         angles = joint_angles(np.interp(joints, problem.knots, chainage), chainage, state.knots, solution.covariance)
     for column, name in enumerate(("offset_y", "offset_z", "pitch", "yaw", "roll")):

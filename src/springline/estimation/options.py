@@ -57,7 +57,7 @@ class JointOptions:
     turning: float = 0.1
     tails: float = 4.0
     kink_tails: float = 1.0
-    across_tails: float = 1.0
+    across_tails: float = 4.0
     iterations: int = 15
     tolerance: float = 0.1
 

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+from scipy.ndimage import median_filter
 
 from .data import Rings, Ties
 from .factors.axis import axis
@@ -39,6 +40,9 @@ from .states import (
 from .track import REACH, Marks, Track
 
 _FIXED = 1e-6
+_NEARBY = 1.0
+_SPINNING = 0.25
+"""Share of an interval that must be counted too much before wheels are thought to have spun."""
 _LEVEL = 0.1
 _NORTH = 0.05
 """One-sigma of the first attitude after alignment [rad]; looser ones only cost digits along a thousand knots."""
@@ -118,7 +122,8 @@ class Problem:
             every = (np.arange(intervals), np.zeros(intervals))
             starts = self.places(self.knots[:-1], clock, every)
             root = np.sqrt(self.step)
-            out.append(odometry(starts, own.along * root, own.across * root, own.tails, own.across_tails))
+            along = np.hypot(own.along * root, self._spun)
+            out.append(odometry(starts, along, own.across * root, own.tails, own.across_tails))
             # Creep and wander of an attitude that nothing else tells cannot both be taken from the data.
             out[-1].tuned = (False, self.track is not None)
         out += self._inertial if self.track is not None else self._blind(intervals)
@@ -126,6 +131,16 @@ class Problem:
         value[ORIGIN] = self.origin
         out += [*self._gauge(), scalars(value, self._priors())]
         return {factor.name: factor for factor in out}
+
+    @cached_property
+    def _spun(self) -> np.ndarray:
+        """What the odometer counted over each interval beyond the usual speed nearby [m]: wheels may have spun."""
+        if self.rings.time is None:
+            return np.zeros(len(self.knots) - 1)
+        seconds = np.maximum(np.diff(np.interp(self.knots, self.rings.distance, self.rings.time)), 1e-6)
+        usual = median_filter(self.step / seconds, 2 * round(_NEARBY / self.step) + 1, mode="nearest")
+        more = self.step - usual * seconds
+        return np.where(more > _SPINNING * self.step, more, 0.0)
 
     @cached_property
     def _inertial(self) -> list[Factor]:

@@ -74,10 +74,12 @@ class Track:
         still: Whether the robot stood still at each sample (m,).
         bias: Gyro bias that was taken off before integration [rad/s] (3,).
         bias_time: How long the standstills lasted that gave it [s].
+        derived: Whether the log was made from attitudes.
     """
 
     def __init__(self, rings: Rings, inertial: Inertial) -> None:
         self._rings, self._log = rings, inertial
+        self.derived = inertial.derived
         self.still = still_samples(inertial, rings.time)
         steps = np.diff(inertial.time)
         usual = np.median(steps)

@@ -4,12 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
+from ..data import GRAVITY
 from ..rotations import rotate
 from ..states import ACCEL, GYRO, TILT
 from .base import Factor, local_columns
-
-GRAVITY = 9.80665
-"""Standard gravity [m/s2]."""
 
 
 def gyro(turned: np.ndarray, sigma: np.ndarray) -> Factor:

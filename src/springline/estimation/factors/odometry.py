@@ -14,12 +14,12 @@ COLUMNS = local_columns(
 )
 
 
-def odometry(knots: Places, along: float, across: float, tails: float, across_tails: float) -> Factor:
+def odometry(knots: Places, along: np.ndarray, across: float, tails: float, across_tails: float) -> Factor:
     """Return the factor that closes the sensor's way from knot to knot.
 
     Args:
         knots: The intervals' starts, with the reach over each as `span`.
-        along: One-sigma along the way [m].
+        along: One-sigma along the way of each interval [m] (n,).
         across: One-sigma across it, up and to the right [m]; taken from the data from there on.
         tails: Of Student's t along the way, for slips.
         across_tails: The same across it, for knocks and for axles that the wall of a bend pushes aside.

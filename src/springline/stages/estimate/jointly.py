@@ -16,6 +16,8 @@ if TYPE_CHECKING:
     from .rings import Fitted
 
 _POSITION = ("x", "y", "z")
+_FORMS = (("gyro", "accel"), ("heading", "inclination", "bank"))
+"""What an inertial log may hold; the first that is there is used."""
 
 
 def why_not(survey: Survey) -> str:
@@ -23,8 +25,8 @@ def why_not(survey: Survey) -> str:
     rings = survey.rings
     if reason := why_never(survey):
         return reason
-    if not survey.has("inertial") or not {"gyro", "accel"} <= set(survey.inertial.variables):
-        return "there is no inertial log of rates and specific force"
+    if not survey.has("inertial") or not any(set(form) <= set(survey.inertial.variables) for form in _FORMS):
+        return "there is no inertial log of rates and specific force, or of attitude"
     if "time" not in rings or not np.isfinite(rings["time"].values).all():
         return "the rings have no time, so the inertial log cannot be joined to them"
     return ""
@@ -84,11 +86,14 @@ def _lever(attrs: dict[str, object]) -> tuple[float, float, float]:
 
 
 def _inertial(data: xr.Dataset) -> Inertial | None:
-    if not {"gyro", "accel"} <= set(data.variables):
-        return None
-    time, gyro, accel = (data[name].values.astype(float) for name in ("time", "gyro", "accel"))
-    known = np.isfinite(np.column_stack([time, gyro, accel])).all(axis=1)
-    return Inertial(time[known], gyro[known], accel[known])
+    """Return the log of rates and specific force; where it tells attitude alone, what that stands for."""
+    for form, make in zip(_FORMS, (Inertial, Inertial.from_attitude), strict=True):
+        if set(form) <= set(data.variables):
+            columns = [data[name].values.astype(float) for name in ("time", *form)]
+            known = np.isfinite(np.column_stack(columns)).all(axis=1)
+            if known.any():
+                return make(*(column[known] for column in columns))
+    return None
 
 
 def _ties(survey: Survey) -> Ties | None:
