@@ -10,8 +10,8 @@ import numpy as np
 from ..conventions import bearing_from_clock
 from ..errors import ParameterError
 from . import equipment, pipes, strewn
-from .building import joints, total_length
 from .checks_camera import check_camera
+from .laying import joints, total_length
 from .problem import Path, Problem, require
 from .profiles import extremes
 from .scenario import Scenario

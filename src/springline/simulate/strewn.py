@@ -8,7 +8,7 @@ from __future__ import annotations
 import numpy as np
 
 from . import pipes
-from .building import joints, total_length
+from .laying import joints, total_length
 
 _SPARE = 0.02
 

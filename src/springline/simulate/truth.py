@@ -13,7 +13,7 @@ import xarray as xr
 
 from ..conventions import bearing_from_clock
 from . import equipment, pipes
-from .building import joints
+from .laying import joints
 from .measures import measure
 from .stretches import SHAPES, parameters_at, stretches
 from .strewn import cracks, deposits, laterals, stains

@@ -7,7 +7,8 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from springline.simulate.building import build_pipe, joints
+from springline.simulate.building import build_pipe
+from springline.simulate.laying import joints
 from springline.simulate.reading import parse
 
 TEXT = 'name = "x"\n[pipe]\ndiameter = 0.3\n{}\n[rings]\n'

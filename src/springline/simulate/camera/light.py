@@ -203,5 +203,8 @@ def light_of(wall, scene, origin, way, t, kind, cell, part, normal, edges, row, 
 
 @njit(cache=True, error_model="numpy", _nrt=False)
 def veil(scene, t):
-    """Return the light that haze throws back over a way t [m]."""
-    return 0.08 * (1.0 - exp(-2.0 * scene.air[0].haze * t)) if scene.lamps.shape[0] else 0.0
+    """Return the light that haze throws back over a way t [m]: most of it from near by, where the lamps are."""
+    radius = scene.look[0].radius
+    if scene.lamps.shape[0] == 0:
+        return 0.0
+    return scene.air[0].haze * radius * radius * (2.0 / radius - 1.0 / max(t, 0.5 * radius))

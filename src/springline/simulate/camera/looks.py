@@ -32,12 +32,12 @@ _LOOKS = {
     },
     "concrete": {
         "colour": (0.40, 0.385, 0.35), "other": (0.30, 0.285, 0.25), "mottle": 0.13, "mottle_size": 0.20,
-        "grain": 0.12, "grain_size": 0.005, "streak": 0.04, "pores": 0.55, "bump": 0.22, "gloss": 0.02, "shine": 12.0,
+        "grain": 0.075, "grain_size": 0.005, "streak": 0.03, "pores": 0.4, "bump": 0.10, "gloss": 0.02, "shine": 12.0,
         "tint": 0.08,
     },
     "pvc": {
         "colour": (0.55, 0.40, 0.26), "other": (0.50, 0.37, 0.25), "mottle": 0.05, "mottle_size": 0.25,
-        "grain": 0.025, "grain_size": 0.004, "streak": 0.06, "pores": 0.03, "bump": 0.02, "gloss": 0.22, "shine": 60.0,
+        "grain": 0.025, "grain_size": 0.004, "streak": 0.03, "pores": 0.03, "bump": 0.02, "gloss": 0.22, "shine": 60.0,
         "tint": 0.03,
     },
 }  # fmt: skip
@@ -58,7 +58,7 @@ def look_record(pipe: pipes.Pipe) -> np.ndarray:
     out = np.zeros(1, LOOK)
     for name, value in _LOOKS[look_of(pipe)].items():
         out[name] = value
-    out["dirt"], out["inner"] = (0.085, 0.06, 0.04), (0.33, 0.20, 0.12)
+    out["dirt"], out["inner"] = (0.085, 0.06, 0.04), 0.45 * out["other"]
     share = min(max(surface.dirt, 1e-6), 1.0 - 1e-6)
     out["dirt_from"], out["dirt_most"] = NormalDist().inv_cdf(1.0 - share), 0.9 if surface.dirt > 0.0 else 0.0
     out["radius"], out["seed"] = 0.5 * pipe.diameter, 40503 * (pipe.seed + 1)

@@ -14,9 +14,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 import xarray as xr
 
-from ..building import joints
 from ..cast import cast_rays
 from ..centreline import along, level_frame
+from ..laying import joints
 from ..surface import radius_of_wall
 from ..wall import JOINT, LATERAL, Roughness, Wall, build
 

@@ -102,6 +102,21 @@ def _decals(decals, s, theta, radius, footprint):
 
 
 @njit(cache=True, error_model="numpy", _nrt=False)
+def _height(wall, cell, s, theta):
+    """Return how high the deposit at a place stands, 1 in its middle, 0 at its edges."""
+    for n in range(wall.feature_from[cell], wall.feature_from[cell + 1]):
+        row = wall.features[wall.feature_of[n]]
+        if row.kind != DEPOSIT or s <= row.first or s >= row.last:
+            continue
+        turn = theta - row.bearing
+        turn -= 2.0 * pi * floor(turn / (2.0 * pi) + 0.5)
+        if abs(turn) < row.half:
+            along = (s - 0.5 * (row.first + row.last)) / (0.5 * (row.last - row.first))
+            return (cos(0.5 * pi * turn / row.half) * cos(0.5 * pi * along)) ** 2
+    return 0.0
+
+
+@njit(cache=True, error_model="numpy", _nrt=False)
 def colour_at(scene, wall, cell, kind, part, s, theta, point, footprint):
     """Return red, green, blue share of light thrown back, gloss, and the wall's slope along and around."""
     look = scene.look[0]
@@ -116,7 +131,7 @@ def colour_at(scene, wall, cell, kind, part, s, theta, point, footprint):
         across2 = dx * dx + dy * dy + dz * dz - w * w
         if 4.0 * across2 < (row.inner + row.outer) ** 2:
             # Inside it grows dark with the way from its opening.
-            value *= exp(-max(w - row.start, 0.0) / (1.5 * row.inner))
+            value *= exp(-max(w - row.start, 0.0) / (1.2 * row.inner))
         return value * look.inner[0], value * look.inner[1], value * look.inner[2], 0.05, 0.0, 0.0
     arc = theta * radius
     piece = scene.pieces[cell]
@@ -141,8 +156,11 @@ def colour_at(scene, wall, cell, kind, part, s, theta, point, footprint):
     if look.dirt_most > 0.0:
         field = octaves(s, arc, girth, 0.6 * radius, 3, footprint, seed + np.uint64(11)) - 0.55 * sin(theta) - 0.25
         cover = look.dirt_most * min(1.0, max(0.0, (field - look.dirt_from) / 0.5))
-    if kind in (DEPOSIT, BED):
+    if kind == BED:
         cover = 0.85
+    elif kind == DEPOSIT:
+        ragged = 0.25 * octaves(s, arc, girth, 0.3 * radius, 3, footprint, seed + np.uint64(17))
+        cover = max(cover, 0.85 * min(1.0, max(0.0, (_height(wall, cell, s, theta) + ragged - 0.15) / 0.15)))
     elif kind == JOINT:
         cover = 0.75 if part == SECTION else 0.25
     if cover > 0.0:
