@@ -25,6 +25,7 @@ FILES = {
     "features.csv",
     "survey.zarr.zip",
     "report.html",
+    "report.pdf",
     "viewer.html",
     "pipe.glb",
     "config.toml",
