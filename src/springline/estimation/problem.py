@@ -43,6 +43,8 @@ _FIXED = 1e-6
 _NEARBY = 1.0
 _SPINNING = 0.25
 """Share of an interval that must be counted too much before wheels are thought to have spun."""
+_SPUN = 0.4
+"""One-sigma over what was counted too much; all of it would leave those intervals without any length."""
 _LEVEL = 0.1
 _NORTH = 0.05
 """One-sigma of the first attitude after alignment [rad]; looser ones only cost digits along a thousand knots."""
@@ -122,7 +124,7 @@ class Problem:
             every = (np.arange(intervals), np.zeros(intervals))
             starts = self.places(self.knots[:-1], clock, every)
             root = np.sqrt(self.step)
-            along = np.hypot(own.along * root, self._spun)
+            along = np.hypot(own.along * root, _SPUN * self._spun)
             out.append(odometry(starts, along, own.across * root, own.tails, own.across_tails))
             # Creep and wander of an attitude that nothing else tells cannot both be taken from the data.
             out[-1].tuned = (False, self.track is not None)
