@@ -7,6 +7,7 @@ from html.parser import HTMLParser
 
 import numpy as np
 import pytest
+import xarray as xr
 
 from springline.outputs.report import render_report
 from springline.outputs.report.charts import band_path, line_path
@@ -179,6 +180,18 @@ def test_complete_report_has_verdicts_limits_layout_liner_corrections_and_pictur
     wide, high = ends[1][0] - ends[0][0], (ends[0][1] - ends[1][1]) * plan.aspect
     # 15 m and 12 m of straight run, 30 degrees apart: one scale in both directions.
     assert high / wide == pytest.approx(8.3 / 27.9, abs=0.02)
+
+
+def test_cover_says_what_the_survey_says_and_what_it_does_not(survey):
+    facts = dict(make_report(Results(survey), unroll(Results(survey)), "").facts)
+    assert facts["Direction of travel"] == "downstream" and facts["Date"] == "2024-05-14"
+    assert facts["Calibration"] == "none given; scale known to 0.5 % (two-sigma); default of ring lasers"
+    groups = {name: survey.group(name) for name in survey.groups}
+    calibration = xr.Dataset({"range_scale": ((), 1.0023)}, attrs={"reference_diameter": 0.3})
+    bare = Survey(groups | {"calibration": calibration}, {"name": "A"})
+    facts = dict(make_report(Results(bare), unroll(Results(bare)), "").facts)
+    assert facts["Calibration"].startswith("against a reference of 300\u00a0mm; ranges divided by 1.00230; scale known")
+    assert facts["Direction of travel"] == facts["Date"] == facts["Equipment"] == facts["Material"] == "not stated"
 
 
 def test_in_feet_every_heading_and_value_changes_its_unit():

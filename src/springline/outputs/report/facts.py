@@ -33,7 +33,7 @@ def cover_facts(results: Results, scales: Scales) -> tuple[tuple[str, str], ...]
         ("Operator", attrs.get("operator")),
         ("Equipment", attrs.get("equipment")),
         ("Sensor", str(rings.get("sensor_kind", "unknown")).replace("-", " ")),
-        ("Calibration", _calibration(results)),
+        ("Calibration", _calibration(results, scales)),
         ("Chainage", f"{first} to {last} {scales.length.name}, {results.stations} stations"),
     )
     if_known = (
@@ -46,16 +46,18 @@ def cover_facts(results: Results, scales: Scales) -> tuple[tuple[str, str], ...]
     return (*stated[:1], *known, *stated[1:])
 
 
-def _calibration(results: Results) -> str:
+def _calibration(results: Results, scales: Scales) -> str:
+    """Return what the scale of the ranges stands on: a calibration with its reference, or an assumption."""
     section = results.survey.section.attrs
-    scale = section.get("range_scale_sigma")
-    words = "" if scale is None else f"scale known to {2 * float(scale) * 1e2:g} % (two-sigma)"
-    source = str(section.get("range_scale_source", "") or "")
-    if results.survey.has("calibration"):
-        given = results.survey.group("calibration").attrs
-        source = str(given.get("source") or source or "given with the survey")
-        return f"{source}{', ' if words else ''}{words}"
-    return f"none given; {words}{f', {source}' if source else ''}" if words else "none given"
+    scale, source = section.get("range_scale_sigma"), str(section.get("range_scale_source", "") or "")
+    known = "" if scale is None else f"scale known to {2 * float(scale) * 1e2:.2g} % (two-sigma)"
+    if not results.survey.has("calibration") or "range_scale" not in results.survey.calibration:
+        return "; ".join(part for part in ("none given", known, source) if part)
+    data = results.survey.calibration
+    reference = data.attrs.get("reference_diameter")
+    against = f"against a reference of {scales.small.plain(float(reference))}" if reference else "given with the survey"
+    applied = f"ranges divided by {float(data['range_scale']):.5f}"
+    return "; ".join(part for part in (against, applied, known) if part)
 
 
 def command(results: Results) -> str:

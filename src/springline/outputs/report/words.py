@@ -13,6 +13,12 @@ if TYPE_CHECKING:
     from .scales import Scales
 
 
+_TOGETHER = (
+    " Where robot and pipe run was then estimated together with the sections, from rings, odometer, inertial log and "
+    "ties, each weighed by its own sigma."
+)
+
+
 @dataclass(frozen=True)
 class Words:
     """Sentences by where they stand.
@@ -113,7 +119,7 @@ def _method(results: Results, scales: Scales, kind: str) -> tuple[str, ...]:
         "outliers, water, occluded or out of range are set aside, each with its reason. A section "
         f"({section.get('model', 'ellipse')}) is fitted to the used readings of each station by least orthogonal "
         "distance with robust weights; a station whose readings cannot carry a section gets none, with the reason. "
-        "Missing readings are never filled in.",
+        "Missing readings are never filled in." + _TOGETHER * results.survey.has("layout"),
         "Diameters are chords of the fitted section through its centre, never the raw largest reading. Intervals are "
         "95 %. The uncertainty of a diameter has two parts: that of the fit, which averages out, and that of the "
         f"sensor’s scale, which does not{known}. Ovality cannot be negative, so noise alone lifts it: near zero read "
