@@ -186,7 +186,7 @@ def _map(
     for rows in parts:
         deviation = wall_deviation(_ranges(rings, mask, rows, used=False), bearings, sections[rows])
         blank = np.zeros(deviation.shape, bool)
-        add_rings(first, rows.start, deviation, blank, blank, far=far[rows])
+        add_rings(first, rows.start, deviation, blank, blank, far=np.inf)
     lasting = lasting_shape(first.mean, window=_window(first, diameter, distance))
     cells = empty_map(distance, len(bearings), length=length, columns=_COLUMNS)
     offset = np.zeros(count)

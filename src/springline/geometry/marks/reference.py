@@ -17,7 +17,7 @@ from .regions import runs
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
-_STEPS = 12
+_STEPS = 40
 _TUNING = 4.0
 _LEAST_AGREE = 0.55
 
@@ -181,7 +181,7 @@ def _centre(ranges, table, shape, start, noise):
                 break
             if step == 0:
                 offset = np.median(deviation[:n])
-            if step < 4:
+            if step < 15:
                 scale = max(1.4826 * np.median(np.abs(deviation[:n] - offset)), 0.5 * noise[i], 1e-6)
             a = np.zeros((3, 3))
             b = np.zeros(3)
@@ -207,7 +207,7 @@ def _centre(ranges, table, shape, start, noise):
             inverse = np.linalg.inv(a)
             move = inverse @ b
             z0, y0, offset = z0 + move[0], y0 + move[1], offset + move[2]
-            if step > 3 and abs(move[0]) + abs(move[1]) + abs(move[2]) < 1e-7:
+            if abs(move[0]) + abs(move[1]) + abs(move[2]) < 1e-7:
                 break
         if total == 0.0:
             continue

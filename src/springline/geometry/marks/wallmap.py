@@ -106,15 +106,15 @@ def lasting_shape(mean: ArrayLike, *, window: int) -> NDArray[np.float64]:
     A section that is no ellipse departs from its ellipse in the same way for metres; a mark does not.
     """
     mean = np.asarray(mean, float)
-    known = np.isfinite(mean)
-    filled = np.where(known, mean, 0.0)
-    thin = max(1, window // 11)
-    rows = len(filled)
+    rows = len(mean)
+    thin = min(max(1, window // 11), rows)
     starts = np.arange(0, rows, thin)
-    total = np.add.reduceat(filled, starts, axis=0)
-    count = np.add.reduceat(known.astype(float), starts, axis=0)
-    with np.errstate(invalid="ignore", divide="ignore"):
-        coarse = np.where(count > 0, total / count, 0.0)
+    padded = np.full((len(starts) * thin, mean.shape[1]), np.inf)
+    padded[:rows] = np.where(np.isfinite(mean), mean, np.inf)
+    ordered = np.sort(padded.reshape(len(starts), thin, -1), axis=1)
+    count = np.isfinite(ordered).sum(axis=1)
+    middle = np.take_along_axis(ordered, np.maximum(count - 1, 0)[:, None] // 2, axis=1)[:, 0]
+    coarse = np.where(count > 0, middle, 0.0)
     coarse = median_filter(coarse, size=(min(11, len(coarse) | 1), 1), mode="nearest")
     at = np.minimum(starts + 0.5 * (thin - 1), rows - 1)
     place = np.clip(np.searchsorted(at, np.arange(rows)) - 1, 0, max(len(at) - 2, 0))

@@ -28,6 +28,9 @@ _INTRUSION = 0.7
 _LOWER_THIRD = np.radians(60.0)
 _KIND_SURE = 0.8
 _SURE = 4.0
+_BLUR, _UNSURE = 0.75, 0.05
+_INVERT, _AT_INVERT = -0.64, 0.4
+"""Sine of the bearing below which an opening is doubted, and by how much: there water and beds mislead rings."""
 
 
 class Sizer:
@@ -97,6 +100,8 @@ class Sizer:
         if np.isfinite(one["depth"]):
             before, after = (wall.deviation(rows, self._carried(rows, first, last, side)) for side in (-1, 1))
             gap = size_gap(before, after, x[rows], wall.bearings, noise=noise)
+            if gap and gap.gap_sigma > _BLUR * wall.spacing + 0.2 * gap.gap:
+                gap = None
         at = gap.middle if gap else 0.5 * (x[first] + x[last])
         off = size_step(
             x,
@@ -107,6 +112,8 @@ class Sizer:
             scatter=self.scatter,
             noise=self.ring_noise,
         )
+        if off and not (off.step_sigma[:2] < _UNSURE * wall.diameter).all():
+            off = None
         if gap is None and off is None:
             return None
         half = 0.5 * max(x[last] - x[first], 0.0) + wall.spacing
@@ -158,13 +165,16 @@ class Sizer:
         bore = fit_bore(
             x, bearing, radius + least, near, known, wall=float(np.median(radius)), noise=0.3 * wall.spacing + noise
         )
-        if bore is None or 2.0 * bore.values[2] < _SURE * 2.0 * np.sqrt(bore.covariance[2, 2]):
+        if bore is None or not bore.values[2] > _SURE * np.sqrt(bore.covariance[2, 2]):
             return None
         sigma = np.sqrt(np.diag(bore.covariance))
         bearing = float(bore.values[1])
         ring = int(np.argmin(np.abs(wall.chainage - bore.values[0])))
         tilt = 0.0 if wall.pitch[ring] or wall.yaw[ring] else wall.diameter / 2 * _TILT
         cos = np.cos(bore.values[3])
+        sure = float(one["probability"]) * float(np.clip((bore.agreement - 0.2) / 0.5, 0.0, 1.0))
+        if np.sin(bearing) < _INVERT:
+            sure *= _AT_INVERT
         row: Row = {
             "kind": "lateral",
             "chainage": float(bore.values[0]),
@@ -177,7 +187,7 @@ class Sizer:
             "length_sigma": 2.0 * float(np.hypot(sigma[2] / cos, bore.values[2] * np.sin(bore.values[3]) * sigma[3])),
             "inclination": float(bore.values[3]),
             "inclination_sigma": float(sigma[3]),
-            "confidence": float(one["probability"]) * float(np.clip((bore.agreement - 0.2) / 0.5, 0.0, 1.0)),
+            "confidence": sure,
         }
         return row | self._protrusion(height, inside, x, bearing_of(middle, turn), bore.values)
 
@@ -223,7 +233,7 @@ class Sizer:
         )
         if found is None or -found.depth[0] < max(self.settings.least_depth * wall.diameter, _SURE * found.depth[1]):
             return None
-        if not np.isfinite([*found.length, *found.span]).all():
+        if not np.isfinite([*found.depth, *found.length, *found.span]).all():
             return None
         kind, sure = self._kind(found)
         row: Row = {"kind": kind, "confidence": float(one["probability"]) * sure, "bearing_sigma": found.bearing[1]}
