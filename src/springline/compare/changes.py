@@ -12,6 +12,8 @@ from scipy.optimize import brentq
 from .scan import DETECTION
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from numpy.typing import NDArray
 
 WINDOWS = (0.25, 1.0, 4.0)
@@ -140,7 +142,10 @@ def look(profile: Profile, step: float, rate: float) -> Looked:
         better = np.abs(score) > np.abs(best)
         best[better] = score[better]
         found[better] = np.column_stack((mean, sigma, np.full(len(mean), length)))[better]
-    return Looked(_runs(best, found, limit, step, alarms), detectable)
+    short = convolve1d(pull, shapes[0], mode="constant") / np.maximum(
+        convolve1d(weight, shapes[0], mode="constant"), 1e-30
+    )
+    return Looked(_runs(best, found, np.where(known, short, 0.0), limit, step, alarms), detectable)
 
 
 def _window(size: float) -> NDArray[np.float64]:
@@ -148,8 +153,10 @@ def _window(size: float) -> NDArray[np.float64]:
     return np.cos(0.5 * np.pi * np.arange(-half, half + 1) / size) ** 2
 
 
-def _runs(best: NDArray, found: NDArray, limit: float, step: float, alarms: object) -> tuple[Run, ...]:
-    """Return the clearest stretch of each run of stations above the limit, with the run's length."""
+def _runs(
+    best: NDArray, found: NDArray, short: NDArray, limit: float, step: float, alarms: Callable[[float], float]
+) -> tuple[Run, ...]:
+    """Return the clearest place of each run of stations above the limit, with the length over half its change."""
     runs = []
     for sign in (1.0, -1.0):
         over = np.concatenate(([False], sign * best > limit, [False]))
@@ -157,7 +164,10 @@ def _runs(best: NDArray, found: NDArray, limit: float, step: float, alarms: obje
         for first, last in zip(edges[::2], edges[1::2], strict=True):
             top = first + int(np.argmax(np.abs(best[first:last])))
             mean, sigma, length = found[top]
-            longer = (last - first) * step
-            at = (first + last) // 2 if longer > 2 * length else top
-            runs.append(Run(at, max(float(length), longer), float(mean), float(sigma), alarms(abs(best[top]))))
+            half = np.flatnonzero(short[first:last] * sign < 0.5 * abs(mean)) + first
+            begin = int(half[half < top].max(initial=first - 1)) + 1
+            end = int(half[half > top].min(initial=last))
+            longer = max((end - begin) * step, float(length))
+            at = (begin + end) // 2 if end > begin else top
+            runs.append(Run(at, longer, float(mean), float(sigma), alarms(abs(best[top]))))
     return tuple(sorted(runs, key=lambda r: r.false_alarms)[:_MOST])

@@ -204,17 +204,27 @@ def _why(
 
 
 def _without_shape(change: NDArray, bearing: NDArray, step: float) -> NDArray[np.float32]:
-    """Return the change without its orders 0 to 2, averaged along the pipe."""
+    """Return the change without the first order of each ring, and without orders 0 and 2 averaged along the pipe.
+
+    The first order is where the section's middle was put; a ring says nothing of it.
+    """
     waves = np.column_stack([np.ones_like(bearing), *(f(k * bearing) for k in (1, 2) for f in (np.cos, np.sin))])
+    own = _orders(change, waves, 1)
+    centred = change - own[:, 1:3] @ waves[:, 1:3].T
+    slow = _orders(centred, waves, max(3, round(_SHAPE / step)))
+    return (centred - slow @ waves.T).astype(np.float32)
+
+
+def _orders(change: NDArray, waves: NDArray, width: int) -> NDArray[np.float64]:
+    """Return the orders 0 to 2 (n, 5) of each ring by least squares over `width` rings."""
     seen = np.isfinite(change)
-    filled = np.where(seen, change, 0.0).astype(float)
-    width = max(3, round(_SHAPE / step))
-    right = uniform_filter1d(filled @ waves, width, axis=0, mode="constant")
-    products = (waves[:, :, None] * waves[:, None, :]).reshape(len(bearing), -1)
-    left = uniform_filter1d(seen.astype(float) @ products, width, axis=0, mode="constant").reshape(-1, 5, 5)
-    left += 1e-3 * len(bearing) * np.eye(5)
-    found = np.linalg.solve(left, right[:, :, None])[:, :, 0]
-    return (change - found @ waves.T).astype(np.float32)
+    right = np.where(seen, change, 0.0).astype(float) @ waves
+    products = (waves[:, :, None] * waves[:, None, :]).reshape(len(waves), -1)
+    left = seen.astype(float) @ products
+    if width > 1:
+        right, left = (uniform_filter1d(part, width, axis=0, mode="constant") for part in (right, left))
+    left = left.reshape(-1, 5, 5) + 1e-3 * len(waves) * np.eye(5)
+    return np.linalg.solve(left, right[:, :, None])[:, :, 0]
 
 
 def _pattern(change: NDArray, length: float) -> NDArray[np.float64]:

@@ -31,6 +31,7 @@ DENT = (0.19, np.radians(35.0))
 """Length [m] and width [rad] of the dent for which the detectable depth is stated."""
 
 _SURE = 0.01
+_CONTRADICTS = 0.5  # m by which features and relief differ when one of both is wrong
 _YEAR = 365.25
 
 
@@ -134,7 +135,8 @@ def compare_epochs(
         return Comparison(
             a, b, _refused(found), found, None, None, None, None, (), (), {}, np.nan, years, false_alarms, (), ()
         )  # fmt: skip
-    paired = pair_features(a, b, found, placed)
+    agreed = found if _agrees(found, placed, a, b) else None
+    paired = pair_features(a, b, agreed, placed)
     changes, told = feature_changes(a, b, paired, placed, rate=false_alarms, works=works)
     whole = Comparison(
         a, b, "", found, placed, paired, None, None, (), (*changes, *alone(a, b, paired, placed)), told, np.nan, years,
@@ -149,6 +151,14 @@ def compare_epochs(
 def _match(a: Epoch, b: Epoch, options: MatchOptions) -> Match | None:
     enough = all(e.features is not None and (len(e.features) > 1 or e.listed is not None) for e in (a, b))
     return match(a.features, b.features, options) if enough else None
+
+
+def _agrees(found: Match | None, placed: Registration, a: Epoch, b: Epoch) -> bool:
+    """Return whether matched features lie where the registration has them."""
+    if found is None or not found.accepted or found.reversed != placed.reversed:
+        return False
+    apart = b.features.chainage[found.pairs.index_b] - placed.at(a.features.chainage[found.pairs.index_a])[0]
+    return not np.nanmedian(np.abs(apart)) > _CONTRADICTS if len(apart) else True
 
 
 def _by_features(found: Match, b: Epoch) -> Registration | None:
@@ -271,6 +281,8 @@ def _notes(whole: Comparison) -> list[str]:
     notes, placed = [], whole.placed
     if whole.match is not None and not whole.match.accepted:
         notes.append(f"The features alone do not place B on A ({whole.match.reason}); the wall's relief does.")
+    elif whole.match is not None and not _agrees(whole.match, placed, whole.a, whole.b):
+        notes.append("The wall's relief contradicts the match of features, and decides: it holds far more detail.")
     if whole.difference is None:
         return notes
     if not placed.refined.any():

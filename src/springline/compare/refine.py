@@ -85,7 +85,7 @@ def refine(
 
     Each piece of A's wall is laid on B at every drift and roll; the likelihood ratio of one wall to two independent
     ones (`texture`) joins the matched features in the chain of the drift. Where the relief says nothing, the features
-    alone remain.
+    alone remain; where it contradicts them, it decides.
 
     Args:
         match: Of the features; None, or refused, when the relief alone must tell.
@@ -117,7 +117,8 @@ def refine(
     base = _Base(float(x[0]), y0, match.scale, low, high)
     found = _place(a, turned, base, pairs, match.walk, options)
     if found is None:
-        return _features_alone(match, a, turned, b.extent, options)
+        # A rough wall that does not agree where the features put it may agree elsewhere, and then it is surer.
+        return _by_relief(a, b, options) or _features_alone(match, a, turned, b.extent, options)
     return _registration(found, a, turned, b.extent, match.reversed, options, match.flagged)
 
 

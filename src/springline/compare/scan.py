@@ -41,8 +41,7 @@ _MOST_PATCHES = 400
 _SHARPENED = 60
 _FEWEST_CELLS = 3
 _HUNDRED = 100.0
-_OWN_SHARE = 0.5  # of a patch's depth, which a peak that covers its middle must reach to be another patch
-_RING_SHARE = 0.35  # the same for a peak elsewhere on its rings: a dent moves the middle of its section
+_OWN_SHARE = 0.35  # of a patch's depth, by which a peak on its rings must differ from what the patch explains
 
 
 @dataclass(frozen=True)
@@ -221,7 +220,8 @@ def _pick(
         if left[i, j] < limit:
             break
         t = templates[which[i, j]]
-        if not any(_belongs(i, j, t, float(depth[i, j]), one, rows) for one in taken):
+        least = limit * float(sigma[i, j])
+        if not any(_belongs(i, j, t, float(depth[i, j]), least, one) for one in taken):
             patches.append(
                 Patch(
                     float(found.chainage[i]), float(found.bearing[j]), t.length, t.width, float(depth[i, j]),
@@ -235,13 +235,23 @@ def _pick(
     return tuple(patches)
 
 
-def _belongs(i: int, j: int, t: Template, depth: float, other: tuple[int, int, Template, float], rows: int) -> bool:
-    """Return whether a peak is the flank of a patch found before, or what that patch does to the rest of its rings."""
+def _belongs(i: int, j: int, t: Template, depth: float, least: float, other: tuple[int, int, Template, float]) -> bool:
+    """Return whether a peak is but what a patch found before shows in another template: its flank, or its far side.
+
+    Args:
+        i, j, t, depth: Row, column and template of the peak, and its depth.
+        least: Depth of which a peak is told.
+        other: The same of the patch found before.
+    """
     row, column, wide, deep = other
-    along = abs(i - row) <= (len(t.along) + len(wide.along)) // 2
-    turn = abs((j - column + rows // 2) % rows - rows // 2)
-    least = _OWN_SHARE if turn <= t.reach + wide.reach else _RING_SHARE
-    return along and abs(depth) < least * abs(deep)
+    if abs(i - row) > (len(t.along) + len(wide.along)) // 2:
+        return False
+    along = np.correlate(t.along, wide.along, "full")
+    at = i - row + len(wide.along) // 2 + len(t.along) // 2
+    lag = float(along[len(along) - 1 - at]) if 0 <= at < len(along) else 0.0
+    round_ring = float(t.around @ np.roll(wide.around, column - j))
+    shown = deep * lag * round_ring / float(np.sum(t.along**2) * np.sum(t.around**2))
+    return abs(depth - shown) < max(least, _OWN_SHARE * abs(deep))
 
 
 def sharpened(found: Difference, patch: Patch) -> Patch:
