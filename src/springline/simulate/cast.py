@@ -12,6 +12,7 @@ from math import atan2, sqrt
 import numpy as np
 from numba import njit, prange
 
+from .kernels import inner
 from .surface import wall_at
 from .wall import JOINT, LATERAL, NOTHING, Wall
 
@@ -28,7 +29,7 @@ SECTION, FACE = -1, -2
 of that number."""
 
 
-@njit(cache=True, _nrt=False)
+@inner
 def locate(cells, cell, px, py, pz):
     """Return chainage and the levelled section coordinates y, z of an Earth point, in one cell."""
     row = cells[cell]
@@ -56,7 +57,7 @@ def locate(cells, cell, px, py, pz):
     return chainage, (y * up_y + z * up_z) / n, (z * up_y - y * up_z) / n
 
 
-@njit(cache=True, _nrt=False)
+@inner
 def gap_at(wall, cell, ox, oy, oz, dx, dy, dz, t):
     """Return how far outside (+) or inside (-) the wall the ray's point at t lies, what is there, and its chainage."""
     x, y, z = locate(wall.cells, cell, ox + t * dx, oy + t * dy, oz + t * dz)
@@ -65,7 +66,7 @@ def gap_at(wall, cell, ox, oy, oz, dx, dy, dz, t):
     return h - rho, kind, x
 
 
-@njit(cache=True, _nrt=False)
+@inner
 def _speeds(wall, cell, ray):
     """Return how fast the gap can close along a ray, how fast it does where the wall is plain, and the longest leap.
 
@@ -80,7 +81,7 @@ def _speeds(wall, cell, ray):
     return sideways * row.around + ahead * row.ahead, sideways, np.inf if row.ahead == 0.0 else _LEAP
 
 
-@njit(cache=True, _nrt=False)
+@inner
 def _first_root(wall, cell, ray, near, far, gap, exact):
     """Return where the ray meets the wall between `near` (inside, gap < 0) and `far`, or inf."""
     ox, oy, oz, dx, dy, dz = ray
@@ -100,7 +101,7 @@ def _first_root(wall, cell, ray, near, far, gap, exact):
     return np.inf
 
 
-@njit(cache=True, _nrt=False)
+@inner
 def _close_in(wall, cell, ray, a, b, fa, fb, exact):
     """Return the root between a (fa < 0) and b (fb >= 0): Illinois, then bisection when it stalls."""
     ox, oy, oz, dx, dy, dz = ray
@@ -129,7 +130,7 @@ def _close_in(wall, cell, ray, a, b, fa, fb, exact):
     return b
 
 
-@njit(cache=True, _nrt=False)
+@inner
 def _plane(cells, cell, ray):
     """Return where the ray crosses a cell's end plane and whether it goes forward through it."""
     ox, oy, oz, dx, dy, dz = ray
@@ -140,7 +141,7 @@ def _plane(cells, cell, ray):
     return (d - nx * ox - ny * oy - nz * oz) / speed, speed > 0.0
 
 
-@njit(cache=True, _nrt=False)
+@inner
 def _tube(row, ray, t_wall, limit):
     """Return the first hit of a lateral's tube at or before `limit`, given that the bare wall is met at t_wall.
 
@@ -182,7 +183,7 @@ def _tube(row, ray, t_wall, limit):
     return in_b
 
 
-@njit(cache=True, _nrt=False)
+@inner
 def cast_one(wall, start_cell, ray, limit, exact):
     """Return range, kind, chainage, cell and part of the first thing one ray meets; range NaN where it meets nothing.
 

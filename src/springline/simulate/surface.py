@@ -7,10 +7,11 @@ from math import atan2, cos, floor, pi, sin, sqrt
 import numpy as np
 from numba import njit
 
+from .kernels import inner
 from .wall import BUMP, FLOOR, JOINT, VARYING_LOBE, WALL, Wall
 
 
-@njit(cache=True, forceinline=True, _nrt=False)
+@inner(forceinline=True)
 def _section(pieces, n, theta, c, s):
     """Return the radius of section n at bearing theta in [0, 2 pi), whose cosine and sine are c and s."""
     k = 0
@@ -24,7 +25,7 @@ def _section(pieces, n, theta, c, s):
     return (root - q) / (2.0 * p)
 
 
-@njit(cache=True, _nrt=False)
+@inner
 def lattice(i, j, seed):
     """Return a number of unit variance, always the same at one lattice point: splitmix64 of its indices."""
     h = np.uint64(i) * np.uint64(0x9E3779B97F4A7C15) ^ np.uint64(j) * np.uint64(0xC2B2AE3D27D4EB4F) ^ seed
@@ -34,7 +35,7 @@ def lattice(i, j, seed):
     return (float(h >> np.uint64(11)) / 9007199254740992.0 - 0.5) * sqrt(12.0)
 
 
-@njit(cache=True, _nrt=False)
+@inner
 def _weight(k, f):
     """Return weight k, 0 to 3, of the uniform cubic B-spline at share f of a step."""
     if k == 0:
@@ -46,7 +47,7 @@ def _weight(k, f):
     return f**3 / 6.0
 
 
-@njit(cache=True, _nrt=False)
+@inner
 def _relief(x, theta, roughness):
     """Return the wall's roughness [m]: a cubic B-spline over random lattice values, periodic in bearing."""
     around = int(roughness.around)
@@ -61,13 +62,13 @@ def _relief(x, theta, roughness):
     return roughness.rms * total / (151.0 / 315.0)
 
 
-@njit(cache=True, _nrt=False)
+@inner
 def _window(u):
     """Return 1 at u = 0 falling to 0, with its slope, at |u| = 1."""
     return cos(0.5 * pi * u) ** 2 if abs(u) < 1.0 else 0.0
 
 
-@njit(cache=True, _nrt=False)
+@inner
 def _ramp(x, start, end, ramp):
     """Return 1 between start and end, smoothly down to 0 over `ramp` inside both ends."""
     if x <= start or x >= end:
@@ -79,7 +80,7 @@ def _ramp(x, start, end, ramp):
     return u * u * (3.0 - 2.0 * u)
 
 
-@njit(cache=True, forceinline=True, _nrt=False)
+@inner(forceinline=True)
 def _bare(wall, cell, x, theta, c, s):
     """Return the radius of the section alone, blended between its knots, with its harmonics."""
     first, count = wall.cells[cell].first, wall.cells[cell].count
@@ -100,14 +101,14 @@ def _bare(wall, cell, x, theta, c, s):
     return rho
 
 
-@njit(cache=True, _nrt=False)
+@inner
 def _at(wall, cell, x, theta):
     """Return the bare section's radius at any bearing."""
     theta -= 2.0 * pi * floor(theta / (2.0 * pi))
     return _bare(wall, cell, x, theta, cos(theta), sin(theta))
 
 
-@njit(cache=True, _nrt=False)
+@inner
 def _varying_lobe(wall, cell, x, turn, row):
     """Return the radius of the varying-amplitude lobe `turn` from its middle: (k1 - kappa |t/phi|^p) cos + k3.
 
@@ -124,7 +125,7 @@ def _varying_lobe(wall, cell, x, turn, row):
     return (k1 - kappa * u**power) * cos(0.5 * pi * u) + k3
 
 
-@njit(cache=True, _nrt=False)
+@inner
 def wall_at(wall, cell, x, y, z, h):
     """Return the wall's radius and kind at chainage x in the direction of (z, y), whose length is h."""
     if h == 0.0:

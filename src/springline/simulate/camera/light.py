@@ -5,9 +5,9 @@ from __future__ import annotations
 from math import atan2, exp, isnan, pi, sqrt
 
 import numpy as np
-from numba import njit
 
 from ..cast import SECTION, cast_one, gap_at, locate
+from ..kernels import inner
 from ..wall import WATER
 from .noise import value_noise
 from .surfaces import CLOSE, colour_at, meet
@@ -25,7 +25,7 @@ AIR = np.dtype([("haze", "f8"), ("ambient", "f8"), ("sight", "f8"), ("seed", "u8
 """Haze [1/m], light from all round, how far one sees [m], seed of the picture's speckle."""
 
 
-@njit(cache=True, error_model="numpy", _nrt=False)
+@inner(error_model="numpy")
 def _lamps(scene, point, normal, way, gloss, t):
     """Return diffuse and mirrored light at a point, in the lamps' unit."""
     look, air = scene.look[0], scene.air[0]
@@ -54,7 +54,7 @@ def _lamps(scene, point, normal, way, gloss, t):
     return diffuse, mirrored
 
 
-@njit(cache=True, error_model="numpy", _nrt=False)
+@inner(error_model="numpy")
 def _line(wall, laser, point, normal, spans, row, column, seed, s, theta, radius):
     """Return how bright the laser's ring is at a point."""
     dx, dy, dz = point[0] - laser.source[0], point[1] - laser.source[1], point[2] - laser.source[2]
@@ -91,7 +91,7 @@ def _line(wall, laser, point, normal, spans, row, column, seed, s, theta, radius
     return laser.power * value * facing * radius / d
 
 
-@njit(cache=True, error_model="numpy", _nrt=False)
+@inner(error_model="numpy")
 def _solid(wall, scene, point, way, t, kind, cell, part, normal, edges, row, column):
     """Return the light (red, green, blue) that comes back from anything but water."""
     look, air = scene.look[0], scene.air[0]
@@ -122,7 +122,7 @@ def _solid(wall, scene, point, way, t, kind, cell, part, normal, edges, row, col
     return r, g, b
 
 
-@njit(cache=True, error_model="numpy", _nrt=False)
+@inner(error_model="numpy")
 def _span(n, edge, way, normal, t, slant):
     """Return how far the laser plane's coordinate runs across a pixel's edge, on the plane that touches the wall."""
     across = (edge[0] * normal[0] + edge[1] * normal[1] + edge[2] * normal[2]) / slant
@@ -130,7 +130,7 @@ def _span(n, edge, way, normal, t, slant):
     return t * (x * n[0] + y * n[1] + z * n[2])
 
 
-@njit(cache=True, error_model="numpy", _nrt=False)
+@inner(error_model="numpy")
 def _tilted(x, normal, ahead, aside):
     """Return the normal tilted by slopes along the pipe and around it."""
     along = x[0] * normal[0] + x[1] * normal[1] + x[2] * normal[2]
@@ -147,7 +147,7 @@ def _tilted(x, normal, ahead, aside):
     return nx / size, ny / size, nz / size
 
 
-@njit(cache=True, error_model="numpy", _nrt=False)
+@inner(error_model="numpy")
 def _shows_line(wall, scene, cell, start, way):
     """Return whether a ray ends near one of the laser's lines, which show in water wherever one looks at it."""
     if scene.laser.shape[0] == 0:
@@ -167,7 +167,7 @@ def _shows_line(wall, scene, cell, start, way):
     return False
 
 
-@njit(cache=True, error_model="numpy", _nrt=False)
+@inner(error_model="numpy")
 def light_of(wall, scene, origin, way, t, kind, cell, part, normal, edges, row, column):
     """Return the light (red, green, blue) that reaches a pixel along a ray that has met something at range t."""
     air = scene.air[0]
@@ -201,7 +201,7 @@ def light_of(wall, scene, origin, way, t, kind, cell, part, normal, edges, row, 
     return r, g, b
 
 
-@njit(cache=True, error_model="numpy", _nrt=False)
+@inner(error_model="numpy")
 def veil(scene, t):
     """Return the light that haze throws back over a way t [m]: most of it from near by, where the lamps are."""
     radius = scene.look[0].radius

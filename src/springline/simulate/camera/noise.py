@@ -5,12 +5,12 @@ from __future__ import annotations
 from math import floor
 
 import numpy as np
-from numba import njit
 
+from ..kernels import inner
 from ..surface import lattice
 
 
-@njit(cache=True, error_model="numpy", _nrt=False)
+@inner(error_model="numpy")
 def value_noise(u, v, around, seed):
     """Return a smooth random number of about unit variance at (u, v) in lattice steps; v repeats after `around`."""
     i, j = floor(u), floor(v)
@@ -25,7 +25,7 @@ def value_noise(u, v, around, seed):
     return ((1.0 - g) * low + g * high) / 0.61
 
 
-@njit(cache=True, error_model="numpy", _nrt=False)
+@inner(error_model="numpy")
 def fade(size, footprint):
     """Return how much of a grain of `size` [m] a pixel of `footprint` [m] still shows, 1 to 0."""
     w = (size / footprint - 1.0) / 2.0
@@ -34,7 +34,7 @@ def fade(size, footprint):
     return 1.0 if w >= 1.0 else w * w * (3.0 - 2.0 * w)
 
 
-@njit(cache=True, error_model="numpy", _nrt=False)
+@inner(error_model="numpy")
 def octaves(s, arc, girth, size, count, footprint, seed):
     """Return a sum of `count` octaves of noise at chainage s and arc length along the girth [m], coarsest `size` [m].
 

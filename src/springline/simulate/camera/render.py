@@ -9,6 +9,7 @@ import numpy as np
 from numba import njit, prange
 
 from ..cast import FACE
+from ..kernels import inner
 from ..wall import JOINT, NOTHING, WATER, Wall
 from .light import light_of, veil
 from .surfaces import meet
@@ -29,7 +30,7 @@ class Scene(NamedTuple):
     air: np.ndarray
 
 
-@njit(cache=True, error_model="numpy", _nrt=False)
+@inner(error_model="numpy")
 def _turned(axes, x, y, z):
     """Return a direction in camera axes on Earth."""
     return (
@@ -39,7 +40,7 @@ def _turned(axes, x, y, z):
     )
 
 
-@njit(cache=True, error_model="numpy", _nrt=False)
+@inner(error_model="numpy")
 def _edges(axes, rays, i, j):
     """Return how the direction changes from one column, and from one row, to the next."""
     i2, j2 = (i + 1, i) if i + 1 < rays.shape[0] else (i, i - 1), (j + 1, j) if j + 1 < rays.shape[1] else (j, j - 1)
@@ -49,7 +50,7 @@ def _edges(axes, rays, i, j):
     return du, _turned(axes, a[0] - b[0], a[1] - b[1], a[2] - b[2])
 
 
-@njit(cache=True, error_model="numpy", _nrt=False)
+@inner(error_model="numpy")
 def _pixel(wall, scene, origin, start, axes, rays, i, j, samples):
     """Return the light of one pixel, its rays cast one by one."""
     d = rays[i, j]
@@ -77,13 +78,13 @@ def _pixel(wall, scene, origin, start, axes, rays, i, j, samples):
     return n * r, n * g, n * b
 
 
-@njit(cache=True, error_model="numpy", _nrt=False)
+@inner(error_model="numpy")
 def _key(kind, cell, part):
     """Return one number for what a ray has met; equal where it is the same smooth piece of wall."""
     return (np.int64(cell) * 4096 + part + 2) * 16 + kind
 
 
-@njit(cache=True, error_model="numpy", _nrt=False)
+@inner(error_model="numpy")
 def _is_smooth(keys, reach, a, b):
     """Return whether the four nodes around block (a, b) lie on one smooth piece of wall, which then fills it."""
     key = keys[a, b]
@@ -96,7 +97,7 @@ def _is_smooth(keys, reach, a, b):
     return True
 
 
-@njit(cache=True, error_model="numpy", _nrt=False)
+@inner(error_model="numpy")
 def _is_edge(keys, i, j):
     """Return whether a pixel's neighbours show something else."""
     key = keys[i, j]
@@ -105,7 +106,7 @@ def _is_edge(keys, i, j):
     return (i + 1 < keys.shape[0] and keys[i + 1, j] != key) or (j + 1 < keys.shape[1] and keys[i, j + 1] != key)
 
 
-@njit(cache=True, error_model="numpy", _nrt=False)
+@inner(error_model="numpy")
 def _between(reach, normals, a, b, u, v):
     """Return range and normal at shares u, v of the way across a smooth block."""
     w00, w01, w10, w11 = (1.0 - u) * (1.0 - v), u * (1.0 - v), (1.0 - u) * v, u * v
@@ -178,7 +179,7 @@ def _fill(wall, eye, start, axes, rays, sight, nodes, node_keys):
     return reach, keys, normals
 
 
-@njit(cache=True, error_model="numpy", _nrt=False)
+@inner(error_model="numpy")
 def _is_dark(scene, eye, axes, rays, nodes, a, b):
     """Return whether no light falls on smooth block (a, b): the laser's lines pass it by, and there is no other."""
     if scene.laser.shape[0] == 0 or scene.lamps.shape[0] > 0:

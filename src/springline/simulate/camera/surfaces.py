@@ -5,9 +5,9 @@ from __future__ import annotations
 from math import cos, exp, floor, isnan, pi, sin, sqrt
 
 import numpy as np
-from numba import njit
 
 from ..cast import FACE, SECTION, cast_one, gap_at
+from ..kernels import inner
 from ..surface import lattice
 from ..wall import BED, CRACK, DEPOSIT, JOINT, LATERAL, NOTHING, WATER
 from .noise import fade, octaves, value_noise
@@ -18,7 +18,7 @@ CLOSE = 2e-7
 _STEP = 2e-5
 
 
-@njit(cache=True, error_model="numpy", _nrt=False)
+@inner(error_model="numpy")
 def normal_at(wall, cell, part, point, way):
     """Return the unit normal of what was met at `point`, on the side from which the ray came along `way`."""
     px, py, pz = point
@@ -45,7 +45,7 @@ def normal_at(wall, cell, part, point, way):
     return nx / size, ny / size, nz / size
 
 
-@njit(cache=True, error_model="numpy", _nrt=False)
+@inner(error_model="numpy")
 def meet(wall, start, origin, way, sight):
     """Return range, kind, cell, part and normal of the first thing that a ray meets."""
     ray = (origin[0], origin[1], origin[2], way[0], way[1], way[2])
@@ -62,7 +62,7 @@ def meet(wall, start, origin, way, sight):
     return t, kind, cell, part, normal_at(wall, cell, part, point, way)
 
 
-@njit(cache=True, error_model="numpy", _nrt=False)
+@inner(error_model="numpy")
 def _decals(decals, s, theta, radius, footprint):
     """Return the share of light that cracks and stains leave at a place."""
     left = 1.0
@@ -101,7 +101,7 @@ def _decals(decals, s, theta, radius, footprint):
     return left
 
 
-@njit(cache=True, error_model="numpy", _nrt=False)
+@inner(error_model="numpy")
 def _height(wall, cell, s, theta):
     """Return how high the deposit at a place stands, 1 in its middle, 0 at its edges."""
     for n in range(wall.feature_from[cell], wall.feature_from[cell + 1]):
@@ -116,7 +116,7 @@ def _height(wall, cell, s, theta):
     return 0.0
 
 
-@njit(cache=True, error_model="numpy", _nrt=False)
+@inner(error_model="numpy")
 def colour_at(scene, wall, cell, kind, part, s, theta, point, footprint):
     """Return red, green, blue share of light thrown back, gloss, and the wall's slope along and around."""
     look = scene.look[0]
