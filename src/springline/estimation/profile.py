@@ -15,6 +15,8 @@ LEAST_DEPTH = 2e-3
 LEAST_LENGTH = 1.0
 """Shortest one [m]; below that it is a joint out of line, or a dip of the section."""
 _CERTAIN = 2.0
+_ENDS = 1e-4
+"""One-sigma of a sag's depth as its ends and its deepest place are looked for at knots alone [m]."""
 _FAR, _NEAR = 0.75, 0.15
 """Straight run on either side of a joint that tells its angle [m], from so far off that knots do not round it."""
 _FEWEST = 3
@@ -81,7 +83,8 @@ def find_sags(chainage: np.ndarray, knots: np.ndarray, elevation: np.ndarray, fo
         share = (chainage[first : last + 1] - chainage[first]) / (chainage[last] - chainage[first])
         below = invert[first] + share * (invert[last] - invert[first]) - invert[first : last + 1]
         deepest = int(np.argmax(below))
-        depth, sigma = float(below[deepest]), _depth_sigma(found, first, first + deepest, last, float(share[deepest]))
+        depth = float(below[deepest])
+        sigma = float(np.hypot(_ENDS, _depth_sigma(found, first, first + deepest, last, float(share[deepest]))))
         if depth < max(LEAST_DEPTH, _CERTAIN * sigma):
             continue
         inside = invert[first : last + 1]
