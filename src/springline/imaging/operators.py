@@ -26,6 +26,7 @@ _KERNELS = {
     "prewitt": (np.array([[-1, 0, 1]] * 3) / 6.0, np.array([[-1] * 3, [0] * 3, [1] * 3]) / 6.0),
     "roberts": (np.array([[1, 0], [0, -1]]) / 2.0**0.5, np.array([[0, 1], [-1, 0]]) / 2.0**0.5),
 }
+_LEAST = 0.5  # grey levels a pixel, below which light is flat
 _LOW = 0.4  # Canny's lower threshold, as a share of the upper
 
 
@@ -86,9 +87,9 @@ def slopes(grey: Image, operator: str = "sobel") -> NDArray[np.float32]:
 
 def _by_otsu(slope: NDArray[np.float32]) -> float:
     top = float(slope.max())
-    if top <= 0.0:
-        return 0.0
-    return otsu_threshold(np.round(slope / top * 255.0).astype(np.uint8)) / 255.0 * top
+    if top <= _LEAST:
+        return _LEAST
+    return max(otsu_threshold(np.round(slope / top * 255.0).astype(np.uint8)) / 255.0 * top, _LEAST)
 
 
 def _zero_crossings(grey: Image, threshold: float | None, sigma: float) -> NDArray[np.bool_]:

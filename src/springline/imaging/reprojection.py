@@ -44,6 +44,7 @@ _STEPS = 40
 _GOOD = 1.5  # times what noise alone would cost, below which no further starts are tried
 _FEWEST = 8
 _FARTHEST = 60.0  # radii along the pipe beyond which a point tells nothing of the start
+_LEAN = 0.6  # rad of inclination from which a fit is begun too
 _SMALLEST = 0.03  # least bore to begin with, in radii
 _WIDE = 0.7  # bores beyond this share of the pipe's radius are unusual,
 _WIDER = 0.1  # and this, relative, is how fast they become so
@@ -241,8 +242,10 @@ def _fit(
         mean[6], sigma[6] = near.bearing, near.bearing_sigma
     best_cost, best = np.inf, None
     for wave in _poses(prior):
-        for pose in wave:
-            start = _start(kind, sets[0], matrix[:3, :3], eye, radii_array, pose, mean[6])
+        for pose, tilt in wave:
+            if tilt and kind == "joint":
+                continue
+            start = _start(kind, sets[0], matrix[:3, :3], eye, radii_array, pose, mean[6], tilt)
             if start is None:
                 continue
             found, cost = _solve(
@@ -261,19 +264,31 @@ def _fit(
     return ContourFit(kind, best, np.linalg.pinv(information, hermitian=True), best_cost, noise, sets.shape[1])
 
 
-def _poses(prior: PosePrior) -> list[list[Array]]:
-    """Poses within the prior from which a fit is begun; a second lot for when none of the first leads to a good fit."""
+def _poses(prior: PosePrior) -> list[list[tuple[Array, float]]]:
+    """Poses within the prior, and inclinations of a bore, from which a fit is begun.
+
+    A second lot is for when none of the first leads to a good fit.
+    """
     turn, offset = prior.turn, prior.offset
     turns = (0.0,) if turn < math.radians(3.0) else (-turn, 0.0, turn)
     tilts = [(pitch, yaw) for pitch in turns for yaw in turns]
     aside = [(offset, 0.0), (-offset, 0.0), (0.0, offset), (0.0, -offset)] if offset > 0.0 else []
-    first = [(0.0, 0.0, *tilt) for tilt in tilts] + [(*away, 0.0, 0.0) for away in aside]
-    second = [(*away, *tilt) for away in aside for tilt in tilts if tilt != (0.0, 0.0)]
-    return [[np.array([0.0, *pose, 0.0]) for pose in wave] for wave in (first, second)]
+    straight = (0.0, 0.0)
+    first = [(*straight, *tilt, 0.0) for tilt in tilts] + [(*away, *straight, 0.0) for away in aside]
+    first += [(*straight, *straight, lean) for lean in (_LEAN, -_LEAN)]
+    second = [(*away, *tilt, 0.0) for away in aside for tilt in tilts if tilt != straight]
+    return [[(np.array([0.0, *pose, 0.0]), lean) for *pose, lean in wave] for wave in (first, second)]
 
 
 def _start(
-    kind: str, directions: Array, axes: Array, eye: Array, radii: Array, pose: Array, bearing_near: float
+    kind: str,
+    directions: Array,
+    axes: Array,
+    eye: Array,
+    radii: Array,
+    pose: Array,
+    bearing_near: float,
+    tilt: float,
 ) -> Array | None:
     """A first guess at one pose: the middle of the points cast onto the wall."""
     places = np.empty((directions.shape[0], 3))
@@ -292,7 +307,7 @@ def _start(
     aside = places[:, 2] * -math.sin(bearing) + places[:, 1] * math.cos(bearing)
     size = math.sqrt(np.mean((places[:, 0] - x) ** 2 + aside**2))
     size = min(max(size, _SMALLEST * radii.min()), _WIDE * radii.min())
-    return np.array([x, *pose[1:], bearing, math.log(size), 0.0])
+    return np.array([x - radii.min() * math.tan(tilt), *pose[1:], bearing, math.log(size), tilt])
 
 
 @njit(cache=True)
