@@ -5,9 +5,9 @@ from __future__ import annotations
 import time
 
 import numpy as np
+from tests.unit.geometry.board_views import SHAPES, SIZE, board_grid, pictures, random_lens
 
 from springline.geometry.lenses import fit_boards
-from tests.unit.geometry.board_views import SHAPES, SIZE, board_grid, pictures, random_lens
 
 _LENSES = 30
 

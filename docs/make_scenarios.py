@@ -31,11 +31,11 @@ A scenario with a table `[camera]` has frames. `springline simulate camera-short
 ```python
 from springline.simulate import Footage, simulate
 
-footage = Footage("camera-short", seed=1)     # a ready scenario, a TOML file, or a Scenario
-picture = footage.image(12)                   # frame 12: uint8 (rows, columns, 3), red green blue
-footage.distance[12], footage.time[12]        # what /frames says of it
-survey = simulate("camera-short", seed=1)     # the same frames, listed in /frames, with the truth
-survey.truth["frame_chainage"][12]            # the camera's true pose, and frame_offset_y, frame_pitch, ...
+footage = Footage("camera-short", seed=1)  # a ready scenario, a TOML file, or a Scenario
+picture = footage.image(12)  # frame 12: uint8 (rows, columns, 3), red green blue
+footage.distance[12], footage.time[12]  # what /frames says of it
+survey = simulate("camera-short", seed=1)  # the same frames, listed in /frames, with the truth
+survey.truth["frame_chainage"][12]  # the camera's true pose, and frame_offset_y, frame_pitch, ...
 ```
 
 What a detector is scored against stands in the truth too. `footage.outlines(12)` lists every lateral and joint of which
