@@ -4,8 +4,14 @@ import json
 import tomllib
 from math import cos, hypot, sin
 
+import numpy as np
 import pytest
+from tests.unit.outputs.finished import finished_survey
 
+from springline.outputs.results import Results
+from springline.outputs.unroll import unroll
+from springline.outputs.viewer import render_viewer
+from springline.survey import Survey
 from springline.survey.overrides import read_overrides
 
 from .pictures import DRAWN, READY
@@ -162,3 +168,25 @@ def test_two_inspections_side_by_side_and_their_change(browser, epochs_page):
 def test_without_another_inspection_nothing_of_it_is_offered(page):
     assert page.run("document.querySelector('[data-act=beside]').hidden") is True
     assert page.run("[...document.getElementById('mode').options].map((o) => o.value).join()") == "shape,surface"
+
+
+def test_intensity_is_a_colour_where_it_was_recorded(browser, page, tmp_path):
+    assert "intensity" not in page.run("[...document.getElementById('mode').options].map((o) => o.value).join()")
+    survey = finished_survey(stations=200, bearings=90, dense=True)
+    bright = np.where(np.sin(survey.rings["bearing"].values) > 0, 9.0, 1.0)
+    values = np.broadcast_to(bright, survey.rings["range"].shape).astype(np.float32)
+    groups = {name: survey.group(name) for name in survey.groups}
+    groups["rings"] = survey.rings.assign(intensity=(("ring", "bearing"), values))
+    results = Results(Survey(groups, survey.attrs))
+    path = tmp_path / "viewer.html"
+    path.write_text(render_viewer(results, unroll(results)), encoding="utf-8")
+    browser.open(path, "#chainage=10", READY)
+    choose(browser, "mode", "intensity")
+    browser.run(DRAWN)
+    crown, invert = browser.run(
+        """[.5, .06].map((share) => { const c = document.getElementById("map");
+        const y = (c.height / c.clientHeight) * (7 + share * (c.clientHeight - 24));
+        return [...c.getContext("2d").getImageData(c.width * 0.4, y, 1, 1).data].slice(0, 3); })"""
+    )
+    assert len(set(crown)) == 1 and len(set(invert)) == 1 and crown[0] > 200 > 40 > invert[0]
+    assert browser.run("document.querySelector('#scene .scale').textContent.trim()") == "darkbright"

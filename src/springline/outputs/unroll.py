@@ -57,6 +57,7 @@ class Unrolled:
         surface: Departure from the fitted section, outward positive [m], float32.
         reason: Flags of `REASONS`, uint8.
         circle_diameter: Diameter of the circle [m].
+        intensity: Mean returned intensity of the used readings, NaN = none; None when the survey has no intensity.
     """
 
     start: np.ndarray
@@ -66,6 +67,7 @@ class Unrolled:
     surface: np.ndarray
     reason: np.ndarray
     circle_diameter: float
+    intensity: np.ndarray | None = None
 
     def piece(self, low: float, high: float, columns: int, bearing: float, half: float) -> Unrolled:
         """Return a piece of the wall: `columns` between two chainages [m], bearings within `half` [rad] of one.
@@ -133,9 +135,12 @@ def unroll(results: Results, *, cells: int = 7_000_000) -> Unrolled:
     furthest = np.zeros(size, np.uint64)
     seen = np.zeros(size, np.uint16)
     radius = results.circle_diameter / 2
+    brightness = _Brightness(results, size) if "intensity" in results.survey.rings else None
     for block in results.blocks():
         at = group[results.station_of_ring[block.start : block.start + len(block.range)]]
-        _scatter(block, at, rows, results.bearing, radius, furthest, seen)
+        cell, used = _scatter(block, at, rows, results.bearing, radius, furthest, seen)
+        if brightness is not None:
+            brightness.add(block, cell, used)
     reason = np.full(size, 1, np.uint8)
     for flag in reversed(_PRIORITY):
         reason[(seen & (1 << flag)) > 0] = flag
@@ -151,7 +156,25 @@ def unroll(results: Results, *, cells: int = 7_000_000) -> Unrolled:
         surface.reshape(grid),
         reason.reshape(grid),
         results.circle_diameter,
+        None if brightness is None else brightness.mean().reshape(grid),
     )
+
+
+class _Brightness:
+    """Sums of the returned intensity of used readings by cell."""
+
+    def __init__(self, results: Results, size: int) -> None:
+        self._intensity = results.survey.rings["intensity"]
+        self._sum, self._count = np.zeros(size, np.float32), np.zeros(size, np.float32)
+
+    def add(self, block: RingBlock, cell: np.ndarray, used: np.ndarray) -> None:
+        values = self._intensity[block.start : block.start + len(block.range)].values
+        known = used & np.isfinite(values)
+        np.add.at(self._sum, cell[known], values[known])
+        np.add.at(self._count, cell[known], np.float32(1.0))
+
+    def mean(self) -> np.ndarray:
+        return np.divide(self._sum, self._count, out=np.full_like(self._sum, np.nan), where=self._count > 0)
 
 
 def _pack(shape: np.ndarray, surface: np.ndarray) -> np.ndarray:
@@ -178,7 +201,8 @@ def _scatter(
     radius: float,
     furthest: np.ndarray,
     seen: np.ndarray,
-) -> None:
+) -> tuple[np.ndarray, np.ndarray]:
+    """File the readings of a block; return the cell of each and whether it was used."""
     about, phi = block.about_centre(bearing)
     unplaced = np.where(np.isfinite(block.range), NO_SECTION, 1)
     reason = np.where((block.reason == 0) & ~np.isfinite(about), unplaced, block.reason)
@@ -193,3 +217,4 @@ def _scatter(
     surface = about - block.fitted(phi)
     np.maximum.at(furthest, cell[used], _pack((about - radius)[used], surface[used]))
     np.bitwise_or.at(seen, cell.ravel(), np.left_shift(1, reason).astype(np.uint16).ravel())
+    return cell, used

@@ -18,7 +18,7 @@ async function loadSurvey() {
   element.remove();
   const stream = new Blob([bytes]).stream().pipeThrough(new DecompressionStream("deflate"));
   const buffer = await new Response(stream).arrayBuffer();
-  const kinds = { f8: Float64Array, f4: Float32Array, i2: Int16Array };
+  const kinds = { f8: Float64Array, f4: Float32Array, i2: Int16Array, u1: Uint8Array };
   const survey = { ...header, colours: {} };
   let offset = 0;
   for (const [name, kind, count] of header.arrays) {
@@ -65,9 +65,30 @@ function wallRadius(survey, layer, group, k, exaggeration) {
 
 const isSeen = (survey, group, k) => survey.shape[group * survey.rows + (k % survey.rows)] >= EMPTY;
 
+// How far a colour speaks for its cell: departures by their size, greys of intensity alike, reasons not at all.
+function weightOf(survey, colour) {
+  if (colour < survey.levels) return 1 + Math.abs(colour - (survey.levels - 1) / 2);
+  return colour >= survey.greys ? 1 : 0;
+}
+
+function intensityColours(survey) {
+  const count = survey.palette.length - survey.greys - 1;
+  const result = new Uint8Array(survey.groups * survey.rows);
+  for (let cell = 0; cell < result.length; cell += 1) {
+    const value = survey.shape[cell];
+    if (survey.intensity[cell]) result[cell] = survey.greys + Math.round(((survey.intensity[cell] - 1) / 254) * count);
+    else result[cell] = survey.reasons[value < EMPTY ? value + 32768 : 1];
+  }
+  return result;
+}
+
 // Palette index of every cell: a step of the scale, or the colour of the reason why there is none.
 function cellColours(survey, mode) {
   if (survey.colours[mode]) return survey.colours[mode];
+  if (mode === "intensity") {
+    survey.colours[mode] = intensityColours(survey);
+    return survey.colours[mode];
+  }
   const { rows, groups, tick } = survey;
   const shape = mode === "other" ? survey.other : survey.shape;
   const half = (survey.levels - 1) / 2;

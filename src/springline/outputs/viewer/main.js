@@ -17,17 +17,20 @@ function mapTitle(survey, mode) {
   return {
     shape: `Departure from a circle of ${(survey.circle * 1e3).toFixed(1)} mm`,
     surface: "Departure from the fitted section",
+    intensity: "Returned intensity of the wall",
     difference: `Change ${survey.otherLater ? "until" : "since"} ${survey.otherName}, outward positive`,
     other: `${survey.otherName}: departure from the same circle`,
   }[mode];
 }
 
 function fillLegends(survey, mode) {
+  const grey = mode === "intensity";
   const limit = survey.limits[mode] * 1e3;
   const [inward, outward] = document.querySelectorAll("#scene .scale span");
-  inward.textContent = `inward −${limit}`;
-  outward.textContent = `+${limit} mm outward`;
-  const stops = Array.from({ length: 11 }, (_, n) => survey.palette[Math.round((n / 10) * (survey.levels - 1))]);
+  inward.textContent = grey ? "dark" : `inward −${limit}`;
+  outward.textContent = grey ? "bright" : `+${limit} mm outward`;
+  const [first, last] = grey ? [survey.greys, survey.palette.length - 1] : [0, survey.levels - 1];
+  const stops = Array.from({ length: 11 }, (_, n) => survey.palette[first + Math.round((n / 10) * (last - first))]);
   document.querySelector("#scene .scale i").style.background = `linear-gradient(90deg, ${stops.map((rgb) => `rgb(${rgb})`).join(",")})`;
   byId("map-title").textContent = mapTitle(survey, mode);
   const present = new Uint8Array(256);
@@ -233,6 +236,7 @@ async function start() {
     if (scene) scene.request();
   });
 
+  if (survey.intensity) byId("mode").append(new Option("returned intensity", "intensity"));
   if (survey.other) {
     byId("mode").append(new Option(`change ${survey.otherLater ? "until" : "since"} ${survey.otherName}`, "difference"), new Option(survey.otherName, "other"));
     document.querySelector('[data-act="beside"]').hidden = false;

@@ -43,6 +43,7 @@ _VALUES = (
 
 
 _LAYOUT = ("elevation", "gradient")
+_GREYS = [[25 + 5 * n] * 3 for n in range(40)]
 
 
 def pack(results: Results, wall: Unrolled, other: Epoch | None = None) -> tuple[dict[str, Any], str]:
@@ -72,6 +73,8 @@ def pack(results: Results, wall: Unrolled, other: Epoch | None = None) -> tuple[
         **{name: results.station("layout", name)[station].astype("<f4") for name in _layout(results)},
         "shape": _ticks(wall, tick),
         **({} if other is None else {"other": _ticks(other.wall, tick)}),
+        # Bytes stand last, so that what is wider keeps its place in memory.
+        **({} if wall.intensity is None else {"intensity": _brightness(wall.intensity)}),
     }
     reference = results.metrics_attr("reference_diameter")
     header = {
@@ -86,7 +89,8 @@ def pack(results: Results, wall: Unrolled, other: Epoch | None = None) -> tuple[
         "otherName": None if other is None else other.name,
         "otherLater": other is not None and other.later,
         "joined": -(-results.stations // int(wall.start.size)),
-        "palette": [*scale_colours().tolist(), *(list(rgb(colour)) for colour in _reasons().values())],
+        "palette": [*scale_colours().tolist(), *(list(rgb(colour)) for colour in _reasons().values()), *_GREYS],
+        "greys": LEVELS + len(_reasons()),
         "levels": LEVELS,
         "reasons": {flag: LEVELS + k for k, flag in enumerate(_reasons())},
         "reasonWords": {flag: REASON_WORDS[{**REASONS, NO_STATION: "no_station"}[flag]] for flag in _reasons()},
@@ -129,6 +133,14 @@ def _representatives(results: Results, wall: Unrolled) -> np.ndarray:
 def _ticks(wall: Unrolled, tick: float) -> np.ndarray:
     ticks = np.rint(np.nan_to_num(wall.shape) / np.float32(tick))
     return np.where(wall.reason == 0, ticks, -32768.0 + wall.reason).astype("<i2")
+
+
+def _brightness(intensity: np.ndarray) -> np.ndarray:
+    """Return intensities as bytes from 1 (dark) to 255 (bright), outer hundredths cut off; 0 where there is none."""
+    known = np.isfinite(intensity)
+    low, high = np.quantile(intensity[known], [0.01, 0.99]) if known.any() else (0.0, 1.0)
+    share = np.clip((np.nan_to_num(intensity) - low) / max(high - low, 1e-9), 0.0, 1.0)
+    return np.where(known, np.rint(1 + 254 * share), 0).astype(np.uint8)
 
 
 def _reasons() -> dict[int, str]:

@@ -100,7 +100,7 @@ class PipeMesh {
     for (let g = 0; g < width; g += 1) {
       for (let k = 0; k < rows; k += 1) {
         const colour = colours[(tile.first + g) * rows + k];
-        const seen = colour < levels;
+        const seen = weightOf(this.survey, colour) > 0;
         const rgb = seen ? palette[colour] : pale;
         data.set([rgb[0], rgb[1], rgb[2], seen ? 255 : 0], 4 * (k * width + g));
       }
@@ -169,16 +169,15 @@ class PipeMesh {
       const to = i + 1 < along.length ? tile.first + along[i + 1] : from + 1;
       for (let j = 0; j <= around; j += 1) {
         let found = half;
-        let any = false;
+        let best = 0;
         for (let k = Math.round((j * rows) / around); k < Math.round(((j + 1) * rows) / around); k += 1) {
           for (let g = from; g < to; g += 1) {
             const cell = cells[g * rows + (k % rows)];
-            if (cell >= levels) continue;
-            any = true;
-            if (Math.abs(cell - half) > Math.abs(found - half)) found = cell;
+            const weight = weightOf(this.survey, cell);
+            if (weight > best) [best, found] = [weight, cell];
           }
         }
-        if (j < around) seen[i * around + j] = any ? 1 : 0;
+        if (j < around) seen[i * around + j] = best > 0 ? 1 : 0;
         colour.setRGB(...palette[found].map((v) => v / 255), THREE.SRGBColorSpace);
         rgb.set([colour.r, colour.g, colour.b], 3 * (i * (around + 1) + j));
       }

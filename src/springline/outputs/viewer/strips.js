@@ -143,12 +143,11 @@ class Strips {
   // One pixel column may hold many groups: of each row the cell furthest from none stays.
   paint(picture, mode, columns) {
     const { survey } = this;
-    const { rows, start, end, levels, palette } = survey;
+    const { rows, start, end, palette } = survey;
     const shown = [mode, columns, ...this.window].join();
     if (picture.dataset.shown === shown) return;
     picture.dataset.shown = shown;
     const colours = cellColours(survey, mode);
-    const half = (levels - 1) / 2;
     [picture.width, picture.height] = [columns, rows];
     const context = picture.getContext("2d");
     const image = context.createImageData(columns, rows);
@@ -162,7 +161,7 @@ class Strips {
         let found = -1;
         for (let g = group; g < survey.groups && start[g] < low + step; g += 1) {
           const colour = colours[g * rows + k];
-          const weight = colour < levels ? 1 + Math.abs(colour - half) : 0;
+          const weight = weightOf(survey, colour);
           if (weight > best) [best, found] = [weight, colour];
         }
         // Bearing grows downwards from the invert: 6, 3, 12, 9 and 6 o'clock again.

@@ -11,6 +11,7 @@ from springline.outputs.results import Results
 from springline.outputs.unroll import unroll
 from springline.outputs.viewer import render_viewer
 from springline.outputs.viewer.payload import pack
+from springline.survey import Survey
 
 
 def unpacked(header, payload):
@@ -54,3 +55,18 @@ def test_page_is_one_file_without_addresses_and_with_its_licence():
     assert page.count("</script>") == 4 and "<b>" not in page.split("<script")[0]
     header = re.search(r'id="header">(.*?)</script>', page).group(1)
     assert json.loads(header)["name"] == "</script><b>\"x\" & 'y'"
+
+
+def test_intensity_is_the_mean_of_used_readings(survey):
+    bright = np.where(np.sin(survey.rings["bearing"].values) > 0, 200.0, 100.0)
+    values = np.broadcast_to(bright, survey.rings["range"].shape).astype(np.float32)
+    groups = {name: survey.group(name) for name in survey.groups}
+    groups["rings"] = survey.rings.assign(intensity=(("ring", "bearing"), values))
+    results = Results(Survey(groups, survey.attrs))
+    wall = unroll(results)
+    header, payload = pack(results, wall)
+    found = unpacked(header, payload)["intensity"].reshape(wall.shape.shape)
+    upper, lower = (np.sin(wall.bearing) * side > 0.3 for side in (1, -1))
+    assert set(np.unique(found[:, upper])) == {0, 255} and set(np.unique(found[:, lower])) == {0, 1}
+    np.testing.assert_array_equal(found == 0, ~np.isfinite(wall.shape))
+    assert header["arrays"][-1][:2] == ["intensity", "u1"] and len(header["palette"]) <= 256
