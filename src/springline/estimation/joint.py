@@ -141,24 +141,9 @@ def _told(
     # Half of a radius's variance by its mean, half by its ovality.
     values["section_covariance"] += 0.5 * doubt[:, None, None] ** 2 * np.eye(3)
     why = _missing(problem)
-    state = solution.state
     if problem.ties is not None:
         values["axis"] = values["axis"] + ties.position[0]
-    bends, sags, angles = (), (), ()
-    if problem.track is not None:
-        chainage = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(state.axis, axis=0), axis=1))])
-        bends = find_bends(chainage, state.knots[:, DIRECTION], solution.covariance)
-        rounded = rounding(bends, values["chainage"], problem.step)
-        for k in (0, 1):
-            values["pose_covariance"][:, 2 + k, 2 + k] += rounded[:, k] ** 2
-        values["direction_sigma"] = np.hypot(values["direction_sigma"], rounded[:, ::-1])
-        if problem.track.derived:
-            # What tells up is itself in doubt by the unit's bias, and nothing in the log shows it.
-            level = (problem.options.accel_bias / GRAVITY) ** 2
-            values["pose_covariance"][:, 4, 4] += level
-            values["direction_sigma"][:, 1] = np.hypot(values["direction_sigma"][:, 1], np.sqrt(level))
-        sags = find_sags(chainage, state.knots, state.axis[:, 2], solution.covariance)
-        angles = joint_angles(np.interp(joints, problem.knots, chainage), chainage, state.knots, solution.covariance)
+    bends, sags, angles = _along_axis(problem, solution, values, joints) if problem.track is not None else ((), (), ())
     for column, name in enumerate(("offset_y", "offset_z", "pitch", "yaw", "roll")):
         if name in why:
             values["pose"][:, column] = np.nan
@@ -171,24 +156,17 @@ def _told(
     warnings = list(remarks)
     misfit = solution.misfit
     if misfit > _MISFIT:
+        for name in ("pose_covariance", "section_covariance"):
+            values[name] *= misfit
         warnings.append(
             f"Rings differ from ellipses {np.sqrt(misfit):.1f} times more than their noise: the section has a shape "
-            "of its own, or the readings are noisier than they seem."
+            "of its own, or the readings are noisier than they seem. Sigmas are widened by as much."
         )
     if not solution.converged:
         warnings.append(f"The joint estimate had not come to rest after {solution.iterations} steps.")
-    corner = np.sqrt(np.diag(solution.covariance.corner))
-    told = SCALAR_NAMES if problem.track is not None else ("slip_up", "slip_right")
-    scalars = {
-        name: (float(state.scalars[k]), float(corner[k])) if name in told else (np.nan, np.nan)
-        for name, k in SCALAR_NAMES.items()
-    }
-    if problem.track is not None:
-        for k, name in enumerate(("gyro_bias_x", "gyro_bias_y", "gyro_bias_z")):
-            scalars[name] = (scalars[name][0] + float(problem.track.bias[k]), scalars[name][1])
     return JointEstimate(
         **values,
-        scalars=scalars,
+        scalars=_scalars(problem, solution),
         bends=bends,
         sags=sags,
         joints=angles,
@@ -198,6 +176,40 @@ def _told(
         iterations=solution.iterations,
         converged=solution.converged,
     )
+
+
+def _along_axis(problem: Problem, solution: Solution, values: dict[str, np.ndarray], joints: np.ndarray) -> tuple:
+    """Return bends, sags and angles at joints; `values` get what bends and the log's own doubt add to covariances."""
+    state, found = solution.state, solution.covariance
+    chainage = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(state.axis, axis=0), axis=1))])
+    bends = find_bends(chainage, state.knots[:, DIRECTION], found)
+    rounded = rounding(bends, values["chainage"], problem.step)
+    for k in (0, 1):
+        values["pose_covariance"][:, 2 + k, 2 + k] += rounded[:, k] ** 2
+    values["direction_sigma"] = np.hypot(values["direction_sigma"], rounded[:, ::-1])
+    if problem.track.derived:
+        # What tells up is itself in doubt by the unit's bias, and nothing in the log shows it.
+        level = problem.options.accel_bias / GRAVITY
+        values["pose_covariance"][:, 4, 4] += level**2
+        values["direction_sigma"][:, 1] = np.hypot(values["direction_sigma"][:, 1], level)
+    sags = find_sags(chainage, state.knots, state.axis[:, 2], found)
+    angles = joint_angles(np.interp(joints, problem.knots, chainage), chainage, state.knots, found)
+    return bends, sags, angles
+
+
+def _scalars(problem: Problem, solution: Solution) -> dict[str, tuple[float, float]]:
+    """Return value and one-sigma of every scalar; NaN where the given measurements have no part in it."""
+    state = solution.state
+    corner = np.sqrt(np.diag(solution.covariance.corner))
+    told = SCALAR_NAMES if problem.track is not None else ("slip_up", "slip_right")
+    out = {
+        name: (float(state.scalars[k]), float(corner[k])) if name in told else (np.nan, np.nan)
+        for name, k in SCALAR_NAMES.items()
+    }
+    if problem.track is not None:
+        for k, name in enumerate(("gyro_bias_x", "gyro_bias_y", "gyro_bias_z")):
+            out[name] = (out[name][0] + float(problem.track.bias[k]), out[name][1])
+    return out
 
 
 def _missing(problem: Problem) -> dict[str, str]:

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from springline.errors import InputError
-from springline.estimation.solver import Normal, Threads, solve
+from springline.estimation.solver import Normal, Stretch, Threads, solve
 from springline.estimation.states import AXIS, ORIGIN
 
 KNOTS, BLOCK, SCALARS = 6, 5, 18
@@ -91,6 +91,18 @@ def test_the_solution_alone_is_the_same():
     np.testing.assert_allclose(found.knots.ravel(), whole[: KNOTS * BLOCK], rtol=1e-9)
     np.testing.assert_allclose(found.scalars, whole[KNOTS * BLOCK :], rtol=1e-9)
     assert found.diagonal.size == 0
+
+
+def test_a_stretch_of_knots_errs_together_as_the_dense_inverse_says():
+    normal, matrix, _ = problem(np.random.default_rng(6))
+    inverse = np.linalg.inv(matrix)
+    stretch = Stretch.of(solve(normal), 1, 4)
+    weights = np.random.default_rng(7).normal(size=(4, BLOCK))
+    row = np.zeros(len(matrix))
+    row[BLOCK : 5 * BLOCK] = weights.ravel()
+    assert stretch.sigma(weights) == pytest.approx(np.sqrt(row @ inverse @ row), rel=1e-8)
+    blocks = inverse[: KNOTS * BLOCK, : KNOTS * BLOCK].reshape(KNOTS, BLOCK, KNOTS, BLOCK)
+    np.testing.assert_allclose(stretch.together(slice(1, 3)), blocks[1:5, 1:3, 1:5, 1:3], atol=1e-10)
 
 
 def test_a_state_without_information_is_refused():
