@@ -31,6 +31,7 @@ if TYPE_CHECKING:
     from ..survey import Survey
 
 _BLOCK = 4096
+_FEWEST = 3
 _COLUMNS = 72
 _PER_DIAMETER = 20
 _STEADY = 4.0
@@ -79,7 +80,7 @@ def seen_in_rings(rings: xr.Dataset, mask: xr.Dataset, settings: DetectConfig) -
     distance, bearings = rings["distance"].values, rings["bearing"].values
     opening = np.zeros((count, len(bearings)), bool)
     sections, noise, own = _sections(rings, mask)
-    if not np.isfinite(sections).all(axis=1).any():
+    if count < _FEWEST or not np.isfinite(sections).all(axis=1).any():
         return [], opening
     diameter = 2.0 * float(np.nanmedian(sections[:, 2]))
     spacing = float(np.median(np.diff(distance))) if count > 1 else diameter

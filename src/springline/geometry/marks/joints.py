@@ -121,7 +121,10 @@ def size_step(
         return None
     noise, scatter = np.asarray(noise, float), np.asarray(scatter, float)
     sides = before, after
-    shorter, one, two = (_lines(place, values, at, sides, k * window, noise, scatter) for k in (0.5, 1.0, 2.0))
+    shorter, one, two = (
+        _lines(place, values, at, sides, (least, k * window), noise, scatter)
+        for least, k in ((_LEAST_RINGS // 2, 0.5), (_LEAST_RINGS, 1.0), (_LEAST_RINGS, 2.0))
+    )
     # What another window says otherwise is the robot's own way, which is not straight over all of it.
     bent = 1.3 * np.sqrt(np.mean((shorter[0] - one[0]) ** 2))
     wound = np.sqrt(np.mean((two[2] - one[2])[:2] ** 2))
@@ -130,10 +133,17 @@ def size_step(
 
 
 def _lines(
-    place: NDArray, values: NDArray, at: float, sides: tuple, window: float, noise: NDArray, scatter: NDArray
+    place: NDArray,
+    values: NDArray,
+    at: float,
+    sides: tuple,
+    window: tuple[int, float],
+    noise: NDArray,
+    scatter: NDArray,
 ) -> tuple[NDArray[np.float64], ...]:
-    """Return step and turn with their sigmas, from lines through the rings of a window on each side."""
-    part = [side[: max(_LEAST_RINGS, int((np.abs(place[side] - place[side[0]]) <= window).sum()))] for side in sides]
+    """Return step and turn with their sigmas, from lines through at least so many rings, or a window, on each side."""
+    least, length = window
+    part = [side[: max(least, int((np.abs(place[side] - place[side[0]]) <= length).sum()))] for side in sides]
     rows, left = np.concatenate([part[0][::-1], part[1]]), len(part[0])
     x = place[rows]
     step, step_factor, turn, turn_factor = _across(x, values[rows], at, left)

@@ -19,8 +19,6 @@ if TYPE_CHECKING:
 
 Row = dict[str, object]
 
-_TILT = np.radians(1.0)
-"""One-sigma of a robot's tilt where nothing tells it."""
 _STEP_WINDOW, _STEP_MOST = 0.1, 0.03
 _PAD = 1.0
 _OPEN = 0.02
@@ -80,7 +78,7 @@ class Sizer:
         wall = self.wall
         ring = int(np.argmin(np.abs(wall.chainage - x)))
         row: Row = {}
-        unknown = wall.diameter / 2 * _TILT if not (wall.pitch[ring] or wall.yaw[ring]) else 0.0
+        unknown = wall.diameter / 2 * wall.tilt_sigma[ring]
         if np.isfinite(bearing):
             x = x + float(wall.ahead(slice(ring, ring + 1), np.array([[bearing]]))[0, 0])
             row["bearing"] = (bearing + wall.roll[ring]) % (2.0 * np.pi)
@@ -170,7 +168,7 @@ class Sizer:
         sigma = np.sqrt(np.diag(bore.covariance))
         bearing = float(bore.values[1])
         ring = int(np.argmin(np.abs(wall.chainage - bore.values[0])))
-        tilt = 0.0 if wall.pitch[ring] or wall.yaw[ring] else wall.diameter / 2 * _TILT
+        tilt = wall.diameter / 2 * wall.tilt_sigma[ring]
         cos = np.cos(bore.values[3])
         sure = float(one["probability"]) * float(np.clip((bore.agreement - 0.2) / 0.5, 0.0, 1.0))
         if np.sin(bearing) < _INVERT:

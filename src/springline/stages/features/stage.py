@@ -8,6 +8,7 @@ import numpy as np
 import xarray as xr
 
 from ...conventions import GROUPS
+from ...survey import add_assumption
 from .sizing import Sizer
 from .wall import Wall
 
@@ -42,6 +43,11 @@ def features(survey: Survey, config: Config) -> Survey:
     rows.sort(key=lambda row: row["chainage"])
     data = xr.Dataset({name: ("feature", values) for name, values in _columns(rows).items()})
     data.attrs = {"false_alarm": config.detect.false_alarm}
+    if any(row["kind"] in ("dent", "deposit") for row in rows):
+        survey = add_assumption(
+            survey,
+            "Whether a patch that stands inward is a dent or a deposit is told by where it lies: rings do not show it.",
+        )
     return survey.with_group("features", data)
 
 

@@ -28,6 +28,8 @@ _MARGIN = 0.08
 _MOST_OFFSET = 0.004
 _BRIDGED = 0.7
 _WHOLE = 0.85
+_TILT = np.radians(1.0)
+"""One-sigma of a robot's tilt where nothing tells it."""
 
 
 class Patch(NamedTuple):
@@ -59,6 +61,7 @@ class Wall:
         steps: (ring, 3) centre_z, centre_y and mean radius as each ring by itself shows them; NaN where it cannot.
         chainage: (ring,) [m].
         noise: (ring,) one-sigma of a reading [m].
+        pitch, yaw, roll, tilt_sigma: (ring,) how the ring lies in the pipe [rad], 0 where it is not known.
         diameter, spacing: Typical ones [m].
     """
 
@@ -67,18 +70,30 @@ class Wall:
         self.bearings = self.rings["bearing"].values
         section, found = survey.section, survey.candidates
         self.chainage = section["chainage"].values
-        self.chainage_sigma = _or(section, "chainage_sigma", 0.0)
+        count = len(self.chainage)
+        self.chainage_sigma = _or(section, "chainage_sigma", count)
         self.noise = _filled(section["noise"].values)
-        self.pitch, self.yaw, self.roll = (_or(survey.pose, name, 0.0) for name in ("pitch", "yaw", "roll"))
+        self._tilt(survey, count)
         shape = section["parameters"].values
         self.diameter = 2.0 * float(np.nanmedian(shape[:, 0]))
         self.spacing = float(np.median(np.diff(self.chainage))) if len(self.chainage) > 1 else self.diameter
         self.excluded = self._footprints(found)
         self._centre(section, found)
 
+    def _tilt(self, survey: Survey, count: int) -> None:
+        """Take over how the rings are tilted in the pipe; rings about its axis are not."""
+        pose, names = survey.pose, ("pitch", "yaw", "roll")
+        about_axis = self.rings.attrs.get("referred_to") == "axis"
+        values = [np.zeros(count) if about_axis else _or(pose, name, count) for name in names]
+        self.pitch, self.yaw, self.roll = values
+        known = [np.isfinite(pose[name].values) if name in pose else np.zeros(count, bool) for name in names[:2]]
+        sigma = np.hypot(*(_or(pose, f"{name}_sigma", count) for name in names[:2]))
+        self.tilt_sigma = np.zeros(count) if about_axis else np.where(known[0] & known[1], sigma, _TILT)
+
     def _footprints(self, found: xr.Dataset) -> np.ndarray:
         """Return which readings (ring, bearing) candidates take: openings and bumps with a margin about them."""
-        out = found["opening"].values.astype(bool)
+        shape = len(self.chainage), len(self.bearings)
+        out = found["opening"].values.astype(bool) if "opening" in found else np.zeros(shape, bool)
         for k in np.flatnonzero((found["kind"].values == "inward") & (found["first_ring"].values >= 0)):
             half = _FOOT * 0.5 * float(found["size"].values[k]) / (0.5 * self.diameter) + _WIDEN
             off = np.abs(np.angle(np.exp(1j * (self.bearings - float(found["bearing"].values[k])))))
@@ -227,7 +242,6 @@ def _filled(values: np.ndarray) -> np.ndarray:
     return np.where(known, values, np.median(values[known]) if known.any() else np.nan)
 
 
-def _or(data: xr.Dataset, name: str, empty: float) -> np.ndarray:
-    """Return a variable with `empty` where it is missing, or all through where there is none."""
-    count = next(iter(data.sizes.values()))
-    return np.nan_to_num(data[name].values, nan=empty) if name in data else np.full(count, empty)
+def _or(data: xr.Dataset, name: str, count: int) -> np.ndarray:
+    """Return a variable with 0 where it is missing, or all through where there is none."""
+    return np.nan_to_num(data[name].values) if name in data else np.zeros(count)

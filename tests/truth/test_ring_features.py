@@ -1,0 +1,66 @@
+"""Features seen in rings against simulated truth: found, sized within their stated sigma, and none where none are."""
+
+import numpy as np
+import pytest
+from bench.ring_features import errors, joints, laterals, nothing, recall, study
+
+BUMPS = ("dent", "deposit")
+
+
+@pytest.fixture(scope="module")
+def near_joints():
+    return study(joints, range(400, 408))
+
+
+@pytest.fixture(scope="module")
+def along_laterals():
+    return study(laterals, range(500, 503))
+
+
+def rms(error):
+    return np.sqrt(np.mean(error**2))
+
+
+def test_every_joint_and_bump_is_found_and_nothing_else(near_joints):
+    rows, false = near_joints
+    assert recall(rows, "joint") == (32, 32)
+    hits, there = recall(rows, *BUMPS)
+    assert hits >= 0.9 * there
+    assert false == []
+
+
+def test_gaps_steps_and_depths_at_one_millimetre(near_joints):
+    rows, _ = near_joints
+    assert rms(errors(rows, ("joint",), "size", "size")[0]) <= 1e-3
+    for name, true in (("step_y", "offset_y"), ("step_z", "offset_z")):
+        assert rms(errors(rows, ("joint",), name, true)[0]) <= 0.5e-3
+    assert rms(errors(rows, BUMPS, "depth", "depth")[0]) <= 0.5e-3
+
+
+def test_their_intervals_hold(near_joints):
+    rows, _ = near_joints
+    pairs = [errors(rows, ("joint",), *names) for names in (("step_y", "offset_y"), ("step_z", "offset_z"))]
+    pairs += [errors(rows, ("joint",), "size", "size"), errors(rows, BUMPS, "depth", "depth")]
+    held = np.concatenate([np.abs(error) < 1.96 * sigma for error, sigma in pairs])
+    assert held.size > 110
+    assert 0.9 <= held.mean() <= 0.99
+
+
+def test_laterals_among_joints_deposits_and_water(along_laterals):
+    rows, false = along_laterals
+    assert recall(rows, "lateral") == (27, 27)
+    assert not [one for one in false if one["kind"] == "lateral"]
+    hits, there = recall(rows, "joint")
+    assert hits >= 0.9 * there
+    size, _ = errors(rows, ("lateral",), "size", "size")
+    assert rms(size) < 4e-3
+    bearing, _ = errors(rows, ("lateral",), "bearing", "bearing")
+    assert np.abs(bearing).max() < np.radians(3.0)
+    place, sigma = errors(rows, ("lateral",), "chainage", "chainage")
+    assert np.abs(place).max() < 0.02
+    assert np.mean(np.abs(place) < 1.96 * sigma) >= 0.9
+
+
+def test_deformed_rough_wet_pipes_show_nothing():
+    _, false = study(nothing, range(600, 605))
+    assert [(one["kind"], round(float(one["chainage"]), 2)) for one in false] == []
