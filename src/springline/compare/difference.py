@@ -24,6 +24,7 @@ _JOINT_LENGTH = 0.05  # m: what stands out all round over no more than this is a
 _JOINT_SIGMAS = 6.0
 _FAR, _FAR_SHARE = 5.0, 0.03  # scatters, and the share of a ring's readings so far off that a short event is a joint
 _NEAR_JOINT = 2  # rows beside a joint that are left out with it
+_RIM = 4  # cells beside an opening that its rim may reach
 _LEAST_NOISE = 0.1  # of the readings' scatter: no cell is surer, however alike two maps are
 _LEAST_NOISE = 0.1  # of the readings' scatter: no cell is surer, however alike two maps are
 _PATTERN_LENGTH = 5.0  # m from which a pattern that all rings share can be told from a patch
@@ -107,7 +108,8 @@ def difference(a: Wall, b: Wall, placed: Registration) -> Difference:
     radius = [polar_radius(p[:, None, :], bearing) for p in (section_a, section_b)]
     change = (radius[1] + wall_b) / (1.0 + scale) - (radius[0] + wall_a)
     joint = _joints(wall_a, seen_a, section_a, step) | _joints(wall_b, seen_b, section_b, step)
-    why = _why(wall_a, wall_b, seen_a, seen_b, joint, placed.reliable(x))
+    rim = _rims(a, x, rows, None) | _rims(turned, own, rows, placed.roll_at(x))
+    why = _why(wall_a, wall_b, seen_a, seen_b, rim | joint[:, None], placed.reliable(x))
     change = np.where(why == COMPARED, change, np.nan).astype(np.float32)
     change = _without_shape(change, bearing, step)
     pattern = _pattern(change, float(x[-1] - x[0]))
@@ -183,8 +185,21 @@ def _joints(wall: NDArray, seen: NDArray, section: NDArray, step: float) -> NDAr
     return binary_dilation(out, np.ones(2 * _NEAR_JOINT + 1, bool))
 
 
+def _rims(wall: Wall, x: NDArray, rows: int, roll: NDArray | None) -> NDArray[np.bool_]:
+    """Return the cells (n, rows) in and beside the openings of a wall, at its own chainage x [m]."""
+    ring = np.abs(wall.chainage[np.clip(np.searchsorted(wall.chainage, x), 1, len(wall.chainage) - 1)] - x)
+    at = np.clip(np.searchsorted(wall.chainage, x), 1, len(wall.chainage) - 1)
+    at -= np.abs(wall.chainage[at - 1] - np.nan_to_num(x, nan=-1e9)) < np.nan_to_num(ring, nan=1e9)
+    hole, _ = _coarser(wall.opening[at], wall.opening[at], rows)
+    if roll is not None:
+        shift = np.rint(roll * rows / (2 * np.pi)).astype(int)
+        hole = np.take_along_axis(hole, (np.arange(rows)[None, :] - shift[:, None]) % rows, 1)
+    wide = np.pad(hole, ((0, 0), (_RIM, _RIM)), mode="wrap")
+    return binary_dilation(wide, np.ones((2 * _RIM + 1, 2 * _RIM + 1), bool))[:, _RIM:-_RIM]
+
+
 def _why(
-    wall_a: NDArray, wall_b: NDArray, seen_a: NDArray, seen_b: NDArray, joint: NDArray, good: NDArray
+    wall_a: NDArray, wall_b: NDArray, seen_a: NDArray, seen_b: NDArray, edge_of: NDArray, good: NDArray
 ) -> NDArray[np.uint8]:
     """Return why each cell is compared or not."""
     edges = []
@@ -196,7 +211,7 @@ def _why(
         edges.append(binary_dilation(edge, np.ones((5, 3), bool))[:, 2:-2])
     why = np.full(wall_a.shape, COMPARED, np.uint8)
     # What only one of both shows is a change, not a place where the least misfit shows as one.
-    why[(edges[0] & edges[1]) | joint[:, None]] = EDGE
+    why[(edges[0] & edges[1]) | edge_of] = EDGE
     why[~seen_b] = UNSEEN_B
     why[~seen_a] = UNSEEN_A
     why[~good] = UNPLACED

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ..conventions import MASK_REASONS
 from ..errors import ContractError
 from ..geometry.measures import polar_radius
 from ..geometry.robot.attitude import frame
@@ -18,6 +19,7 @@ if TYPE_CHECKING:
 
 _MOST_ROWS = 180
 _BLOCK = 2048
+_LATERAL = next(code for code, name in MASK_REASONS.items() if name == "lateral")
 _SETTLE = 1.0  # s over which gravity is averaged
 
 
@@ -30,6 +32,7 @@ class Wall:
         surface: (n, m) how far the wall stands outside the fitted section [m], float32, at bearings 2 pi k / m; NaN
             where nothing was seen.
         count: (n, m) readings behind each cell, uint8.
+        opening: (n, m) whether a reading of the cell fell into an opening of the wall, such as a lateral.
         parameters: (n, 3) mean_radius, oval_cos, oval_sin of the fitted section [m]; NaN where there is none.
         variance: (n, 2) of mean_radius, and the mean of those of oval_cos and oval_sin [m2]; of the fit alone.
         noise: One-sigma of one reading about its section [m], as its usual ring has it.
@@ -41,6 +44,7 @@ class Wall:
     chainage: NDArray[np.float64]
     surface: NDArray[np.float32]
     count: NDArray[np.uint8]
+    opening: NDArray[np.bool_]
     parameters: NDArray[np.float64]
     variance: NDArray[np.float64]
     noise: float
@@ -85,6 +89,7 @@ class Wall:
             chainage=(first + last) - self.chainage[::-1],
             surface=self.surface[::-1][:, turned],
             count=self.count[::-1][:, turned],
+            opening=self.opening[::-1][:, turned],
             parameters=self.parameters[::-1] * [1.0, 1.0, -1.0],
             variance=self.variance[::-1],
         )
@@ -115,13 +120,13 @@ def wall_of(survey: Survey) -> Wall:
     centre = np.column_stack([section[f"centre_{axis}"].values.astype(float)[at] for axis in "yz"])
     turn, roll, source = _attitude(survey)
     rows = max(2 * (min(rings.sizes["bearing"] // 2, _MOST_ROWS) // 2), 8)
-    surface, count = _binned(survey, parameters, centre, turn, rows, roll)
+    surface, count, opening = _binned(survey, parameters, centre, turn, rows, roll)
     noise = float(np.nanmedian(section["noise"].values)) if "noise" in section else np.nan
     chainage = section["chainage"].values.astype(float)
     along = chainage if len(chainage) == len(distance) else np.interp(distance, _distances(survey), chainage)
     covariance = section["covariance"].values.astype(float)[at]
     variance = np.column_stack((covariance[:, 0, 0], 0.5 * (covariance[:, 1, 1] + covariance[:, 2, 2])))
-    return Wall(along, surface, count, _turned(parameters, roll), variance, noise, source, name)
+    return Wall(along, surface, count, opening, _turned(parameters, roll), variance, noise, source, name)
 
 
 def _distances(survey: Survey) -> NDArray[np.float64]:
@@ -186,25 +191,31 @@ def _turned(parameters: NDArray[np.float64], roll: NDArray[np.float64]) -> NDArr
 
 def _binned(
     survey: Survey, parameters: NDArray, centre: NDArray, turn: NDArray, rows: int, roll: NDArray
-) -> tuple[NDArray[np.float32], NDArray[np.uint8]]:
-    """Return (ring, rows) mean departure from the section and number of readings, block by block."""
+) -> tuple[NDArray[np.float32], NDArray[np.uint8], NDArray[np.bool_]]:
+    """Return (ring, rows) mean departure from the section, number of readings, and openings, block by block."""
     ranges = survey.rings["range"]
     reasons = survey.mask["reason"] if survey.has("mask") else None
     bearing = survey.rings["bearing"].values.astype(float)
     n = ranges.shape[0]
     surface, count = np.full((n, rows), np.nan, np.float32), np.zeros((n, rows), np.uint8)
+    opening = np.zeros((n, rows), bool)
+    holes = survey.candidates["opening"] if survey.has("candidates") and "opening" in survey.candidates else None
     for start in range(0, n, _BLOCK):
         part = slice(start, min(start + _BLOCK, n))
         r = ranges[part].values.astype(float)
+        hole = np.zeros(r.shape, bool)
+        if holes is not None and holes.shape == ranges.shape:
+            hole |= holes[part].values > 0
         if reasons is not None:
-            r = np.where(reasons[part].values == 0, r, np.nan)
+            hole |= reasons[part].values == _LATERAL
+            r = np.where((reasons[part].values == 0) | hole, r, np.nan)
         y = r * np.sin(bearing) - centre[part, :1]
         z = r * np.cos(bearing) - centre[part, 1:]
         t = turn[part, :, :, None]
         y, z = t[:, 0, 0] * y + t[:, 0, 1] * z, t[:, 1, 0] * y + t[:, 1, 1] * z
         phi = np.arctan2(y, z)
         departure = np.hypot(y, z) - polar_radius(parameters[part, None, :], phi)
-        seen = np.isfinite(departure)
+        seen = np.isfinite(departure) & ~hole
         cell = np.rint((np.nan_to_num(phi) + roll[part, None]) * (rows / (2 * np.pi))).astype(np.int64) % rows
         cell += np.arange(len(r))[:, None] * rows
         size = len(r) * rows
@@ -213,5 +224,6 @@ def _binned(
         with np.errstate(invalid="ignore"):
             mean = np.where(found > 0, total / found, np.nan)
         surface[part] = mean.reshape(-1, rows)
+        opening[part] = np.bincount(cell[hole], minlength=size).reshape(-1, rows) > 0
         count[part] = np.minimum(found, 255).reshape(-1, rows)
-    return surface, count
+    return surface, count, opening
