@@ -8,11 +8,12 @@ import numpy as np
 import pytest
 
 from springline.errors import InputError, ParameterError
-from springline.simulate import Footage, load, parse, simulate
+from springline.simulate import Footage, load, parse, simulate, simulate_to
 from springline.simulate.camera.picture import develop, dimming
 from springline.simulate.optics import Camera, Dust
 from springline.simulate.strewn import cracks, deposits, joints, laterals, stains
 from springline.simulate.wall import CRACK, DEPOSIT, JOINT, LATERAL, STAIN
+from springline.survey import open_survey
 
 PIPE = """name = "test"
 [pipe]
@@ -164,6 +165,21 @@ def test_outlines_of_all_frames_stand_in_the_truth():
             assert kind == (LATERAL if one.kind == "lateral" else JOINT)
             told += 1
     assert told == truth.sizes["outline"]
+
+
+def test_streamed_frames_and_outlines_equal_those_made_at_once(tmp_path):
+    pytest.importorskip("PIL")
+    text = PIPE.format(camera="", more="", size="width = 32\nheight = 24", pipe="joints = {spacing = 0.5}")
+    scenario = parse("truth_spacing = 0.002\n" + text.replace("spacing = 0.25", "spacing = 0.05"))
+    streamed, made = open_survey(simulate_to(tmp_path / "a.zarr", scenario, 3)), simulate(scenario, 3)
+    assert made.truth.sizes["station"] > 1024  # more than one block
+    assert len(set(made.truth["outline_frame"].values.tolist())) > 32
+    for group, leave in (("truth", ()), ("frames", ("path",)), ("calibration", ())):
+        one, two = streamed.group(group).drop_vars(leave), made.group(group).drop_vars(leave)
+        assert set(one.variables) == set(two.variables)
+        for name in one.variables:
+            assert np.array_equal(one[name], two[name], equal_nan=one[name].dtype.kind == "f"), name
+    assert streamed.frames["path"].values[0] == "a-frames/000001.jpg"
 
 
 def test_the_long_sewer_has_what_it_says():
