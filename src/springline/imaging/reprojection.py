@@ -41,9 +41,10 @@ EXPECTED = 0.437
 """Mean cost of a point that is off by the noise alone: the Cauchy loss at 3 sigmas averaged over a Gaussian."""
 
 _STEPS = 40
-_GOOD = 1.5  # times what noise alone would cost, below which no further starts are tried
+_GOOD = 1.3  # times what noise alone would cost, below which no further starts are tried
 _FEWEST = 8
 _FARTHEST = 60.0  # radii along the pipe beyond which a point tells nothing of the start
+_USUAL = 0.3  # radii of the pipe, of a bore where geometry proposes one
 _LEAN = 0.6  # rad of inclination from which a fit is begun too
 _SMALLEST = 0.03  # least bore to begin with, in radii
 _WIDE = 0.7  # bores beyond this share of the pipe's radius are unusual,
@@ -245,14 +246,18 @@ def _fit(
         for pose, tilt in wave:
             if tilt and kind == "joint":
                 continue
-            start = _start(kind, sets[0], matrix[:3, :3], eye, radii_array, pose, mean[6], tilt)
-            if start is None:
-                continue
-            found, cost = _solve(
-                kind == "lateral", sets, matrix[:3, :3], eye, radii_array, start, mean, sigma, noise, _STEPS
-            )
-            if cost < best_cost:
-                best_cost, best = cost, found
+            starts = [_start(kind, sets[0], matrix[:3, :3], eye, radii_array, pose, mean[6], tilt)]
+            if kind == "lateral" and not tilt and np.isfinite(sigma[[0, 6]]).all():
+                usual = math.log(_USUAL * radii_array.min())
+                starts.append(np.array([mean[0], *pose[1:], mean[6], usual, 0.0]))
+            for start in starts:
+                if start is None:
+                    continue
+                found, cost = _solve(
+                    kind == "lateral", sets, matrix[:3, :3], eye, radii_array, start, mean, sigma, noise, _STEPS
+                )
+                if cost < best_cost:
+                    best_cost, best = cost, found
         if best_cost < _GOOD * EXPECTED * sets.shape[1]:
             break
     if best is None:
