@@ -26,7 +26,7 @@ demo: $(VENV)/.run
 	$(BIN)/springline demo -o demo-report --force
 
 test: $(VENV)/.dev
-	$(BIN)/python -m pytest
+	$(BIN)/python -m pytest --numprocesses 2 --dist loadfile
 
 lint: $(VENV)/.dev
 	$(BIN)/ruff check .
