@@ -52,7 +52,7 @@ way from its source to the wall (frame, bearing), in the plane, and `laser_ahead
 of the camera the plane lies. The line shows the wall's roughness itself; under lamps roughness is drawn as grain. Lamps
 cast no shadows: they sit beside the lens, where hardly any would be seen.
 
-A frame of 640x480 takes 0.2 to 0.3 s of one core, one of 1080p about 1 s; the kernels are compiled once, on the first
+A frame of 640x480 takes about 0.3 s of one core, one of 1080p about 1 s; the kernels are compiled once, on the first
 frame (half a minute).
 
 Frame k is the same whether the others are made or not. In the lens table, `k_px` is the lens's scale, `centre_px` the
