@@ -13,6 +13,7 @@ from .stages.clean import clean
 from .stages.detect import detect
 from .stages.estimate import estimate
 from .stages.features import features
+from .stages.images import images
 from .stages.liner import liner
 from .stages.metrics import metrics
 from .stages.overrides import corrections, masks
@@ -25,7 +26,7 @@ if TYPE_CHECKING:
 
     from .survey import Survey
 
-STAGES = (rings, clean, masks, detect, estimate, liner, metrics, features, corrections)
+STAGES = (rings, clean, masks, detect, estimate, liner, metrics, features, images, corrections)
 """The stages in the order in which they run; each takes a survey and its settings and adds its groups."""
 
 
