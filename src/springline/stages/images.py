@@ -9,7 +9,7 @@ import numpy as np
 import xarray as xr
 
 from ..conventions import GROUPS
-from ..errors import InputError
+from ..errors import InputError, MissingExtraError
 from ..survey import add_warning
 
 if TYPE_CHECKING:
@@ -38,19 +38,28 @@ def images(survey: Survey, config: Config) -> Survey:
 
     Raises:
         InputError: A lens table cannot be used.
-        MissingExtraError: OpenCV is not installed.
 
     Source: dissertation 6.4 and 6.5.
     """
     mounted = _cameras(survey)
-    if not mounted or not survey.has("features"):
+    if not mounted or not survey.has("features") or not np.isfinite(_radius(survey)):
         return survey
-    seen, warnings = _sightings(survey, mounted)
+    try:
+        seen, warnings = _sightings(survey, mounted)
+    except MissingExtraError as missing:
+        return add_warning(survey, f"The frames were not looked at: {missing}")
     if warnings:
         survey = add_warning(survey, *warnings)
     sure = [(one, image) for one, image in seen if one.probability >= config.detect.least_confidence]
     survey = survey.corrected("candidates", _with_candidates(survey, seen))
     return survey.corrected("features", _with_features(survey, sure))
+
+
+def _radius(survey: Survey) -> float:
+    """The pipe's usual radius; NaN where no station has one."""
+    width = 0.5 * (survey.metrics["diameter_x"].values + survey.metrics["diameter_y"].values)
+    width = width[np.isfinite(width)]
+    return 0.5 * float(np.median(width)) if len(width) else np.nan
 
 
 def _cameras(survey: Survey) -> dict[str, MountedCamera]:
@@ -82,7 +91,7 @@ def _sightings(survey: Survey, mounted: dict[str, MountedCamera]) -> tuple[list[
     poses = _poses(survey, np.where(usable, distance, np.nan))
     camera = mounted[names[usable][0]] if usable.any() else next(iter(mounted.values()))
     x = poses["x"] + camera.position[0] - float(survey.rings.attrs.get("position_x", 0.0))
-    radius = 0.25 * float(np.nanmedian(survey.metrics["diameter_x"] + survey.metrics["diameter_y"]))
+    radius = _radius(survey)
     chosen = _chosen(survey, x, camera, radius)
     prior = PosePrior(_OFFSET_SIGMA * radius, _TURN_SIGMA)
     marks = []
@@ -175,7 +184,7 @@ def _with_features(survey: Survey, sure: list[tuple[Sighting, str]]) -> xr.Datas
     """`/features` with images added: to what rings show too, and on their own where rings show nothing."""
     data = survey.features.copy(deep=True)
     kind, chainage = data["kind"].values.astype(str), data["chainage"].values
-    radius = 0.25 * float(np.nanmedian(survey.metrics["diameter_x"] + survey.metrics["diameter_y"]))
+    radius = _radius(survey)
     source, image = data["source"].values.astype("U64"), data["image"].values.astype("U64")
     confidence = data["confidence"].values.copy()
     rows = []

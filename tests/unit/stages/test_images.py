@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from springline.config import Config
-from springline.errors import InputError
+from springline.errors import InputError, MissingExtraError
 from springline.pipeline import inspect
 from springline.simulate import Footage, parse, simulate
 from springline.stages.images import images
@@ -68,6 +68,16 @@ def test_a_lateral_that_both_show_is_one_feature_and_few_frames_are_looked_at(fi
     best = int(np.argmax(shown["probability"].values))
     assert abs(np.degrees(shown["bearing"].values[best]) - 30.0) < 3.0
     assert abs(shown["size"].values[best] - 0.12) < 0.012
+
+
+def test_without_opencv_the_inspection_goes_on_and_says_so(filmed, monkeypatch):
+    def missing(names, folder="."):
+        raise MissingExtraError.of("vision", "working on images")
+
+    monkeypatch.setattr("springline.imaging.moving.each_frame", missing)
+    result = inspect(filmed[0], Config())
+    assert any("springline[vision]" in sentence for sentence in result.warnings)
+    assert set(result.features["source"].values.astype(str)) == {"rings"}
 
 
 def test_surveys_without_frames_pass_through():
