@@ -11,6 +11,7 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
 _STEPS = 30
+_SINGULAR = 1e14
 _LEAN = np.radians(30.0)
 _MOST_LEAN = np.radians(70.0)
 
@@ -67,8 +68,8 @@ def fit_bore(
     cost, residual, jacobian, weight = _linear(values, points, along, wall, noise, prior)
     for _ in range(_STEPS):
         normal = (jacobian * weight[:, None]).T @ jacobian + np.diag(prior)
-        right = (jacobian * weight[:, None]).T @ residual + prior * (values - [0, 0, 0, 0])
-        move = np.linalg.solve(normal + damping * np.diag(np.diag(normal)), right)
+        right = (jacobian * weight[:, None]).T @ residual + prior * values
+        move = _solve(normal + damping * np.diag(np.diag(normal)), right)
         there = values - move
         if there[2] <= 0 or abs(there[3]) > _MOST_LEAN:
             damping *= 10.0
@@ -87,10 +88,17 @@ def fit_bore(
     cost, residual, jacobian, weight = _linear(values, points, along, wall, noise, prior)
     normal = (jacobian * weight[:, None]).T @ jacobian + np.diag(prior)
     misfit = max(1.0, float(np.sum(weight * residual**2)) / max(len(points) - 4, 1))
+    if not np.linalg.cond(normal) < _SINGULAR:
+        return None
     covariance = np.linalg.inv(normal) * misfit * _alike(residual * np.sqrt(weight))
     model = _distance(values, *_point(x, bearing, radius), wall) < 0.0
     both, either = (model & inside & known).sum(), ((model | inside) & known).sum()
     return Bore(values, covariance, float(both / max(either, 1)))
+
+
+def _solve(normal: NDArray, right: NDArray) -> NDArray[np.float64]:
+    """Return the solution of normal equations, however little they say of one of the values."""
+    return np.linalg.solve(normal + 1e-12 * (np.trace(normal) + 1e-300) * np.eye(len(normal)), right)
 
 
 def _point(x: NDArray, bearing: NDArray, radius: NDArray) -> tuple[NDArray, ...]:
@@ -145,10 +153,10 @@ def _linear(values: NDArray, points: NDArray, along: NDArray, wall: float, noise
     reach = slope_x * along[:, 0] + slope_theta * along[:, 1]
     variance = reach**2 / 3.0 + noise**2
     with np.errstate(invalid="ignore"):
-        fine = np.isfinite(residual) & np.isfinite(jacobian).all(axis=1)
-    size = 3.0 * np.sqrt(variance + np.median(residual[fine] ** 2)) if fine.any() else 1.0
+        fine = np.isfinite(residual) & np.isfinite(jacobian).all(axis=1) & np.isfinite(variance)
+    size = 3.0 * np.sqrt(np.where(fine, variance, 0.0) + np.median(residual[fine] ** 2)) if fine.any() else 1.0
     robust = np.where(fine, 1.0 / (1.0 + (np.where(fine, residual, 0.0) / size) ** 2), 0.0)
-    weight = robust / variance
+    weight = robust / np.where(fine, variance, 1.0)
     residual, jacobian = np.where(fine, residual, 0.0), np.where(fine[:, None], jacobian, 0.0)
     return float(np.sum(weight * residual**2) + prior[3] * values[3] ** 2), residual, jacobian, weight
 
@@ -191,7 +199,7 @@ def _labelled(
         pull = np.where(sign[fine] > 0, density / share, -density / (1.0 - share)) / scale[fine]
         weight = density**2 / (share * (1.0 - share)) / scale[fine] ** 2
         normal = (jacobian[fine] * weight[:, None]).T @ jacobian[fine] + np.diag(prior)
-        move = np.linalg.solve(normal, jacobian[fine].T @ pull - prior * values)
+        move = _solve(normal, jacobian[fine].T @ pull - prior * values)
         move = np.clip(move, -0.2 * values[2], 0.2 * values[2])
         values = values + move
         values[3] = np.clip(values[3], -_MOST_LEAN, _MOST_LEAN)

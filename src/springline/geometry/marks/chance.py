@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
+from scipy.stats import norm
 from scipy.stats import t as student
 
 if TYPE_CHECKING:
@@ -32,13 +33,7 @@ def threshold(false_alarms: float, looks: float, *, tails: float = _TAILS) -> fl
     4.75
     """
     share = min(false_alarms / max(looks, 1.0), 0.5)
-    return float(student.isf(share, tails) if np.isfinite(tails) else _normal(share))
-
-
-def _normal(share: float) -> float:
-    from scipy.stats import norm
-
-    return float(norm.isf(share))
+    return float(student.isf(share, tails) if np.isfinite(tails) else norm.isf(share))
 
 
 def confidence(score: ArrayLike, looks: float, *, expected: float, tails: float = _TAILS) -> NDArray[np.float64]:

@@ -26,7 +26,7 @@ _BRIDGED = 0.03
 _LONGEST_OPENING = 3.0
 _WIDEST_OPENING = np.radians(190.0)
 _FOOT = 0.2
-_LOW = -0.6
+_LOWEST = -np.cos(np.radians(20.0))
 _WIDEST_BUMP = np.radians(200.0)
 _LEAST_OPEN = 6
 _BLIND = 0.3
@@ -278,12 +278,12 @@ def find_bumps(
 
 
 def _by_water(water: NDArray[np.float64], first: int, last: int, columns: NDArray[np.int64]) -> bool:
-    """Return whether what stands in at the invert adjoins water or a bed: it is where that runs out, no mark."""
+    """Return whether what stands in right at the invert adjoins water or a bed: it is where that runs out, no mark."""
     rows = slice(max(first - 3, 0), last + 4)
     around = np.unique(np.concatenate([columns - 1, columns, columns + 1]) % water.shape[1])
     turn = (columns + 0.5) * 2.0 * np.pi / water.shape[1]
     middle = np.angle(np.exp(1j * turn).mean())
-    return bool(np.sin(middle) < _LOW and water[rows][:, around].sum() > 0)
+    return bool(np.sin(middle) < _LOWEST and water[rows][:, around].sum() > 0)
 
 
 def _peaks(

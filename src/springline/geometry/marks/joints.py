@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from .chance import robust_sigma
 from .edges import crossings, edge_between
 from .steps import jumps
 
@@ -182,7 +183,5 @@ def step_scatter(distance: ArrayLike, values: ArrayLike, *, window: int) -> NDAr
         values: (ring, 3) centre_z, centre_y, mean_radius [m]; NaN = not known.
         window: Rings on each side.
     """
-    from .chance import robust_sigma
-
     step = jumps(distance, values, np.ones(3), window=window).step
     return np.array([robust_sigma(column) for column in step.T])

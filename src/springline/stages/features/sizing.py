@@ -178,7 +178,7 @@ class Sizer:
             "chainage": float(bore.values[0]),
             "chainage_sigma": float(np.sqrt(sigma[0] ** 2 + tilt**2 + wall.chainage_sigma[ring] ** 2)),
             "bearing": (bearing + wall.roll[ring]) % (2.0 * np.pi),
-            "bearing_sigma": float(sigma[1]),
+            "bearing_sigma": float(np.hypot(sigma[1], wall.roll_sigma[ring])),
             "size": 2.0 * float(bore.values[2]),
             "size_sigma": 2.0 * float(sigma[2]),
             "length": 2.0 * float(bore.values[2] / cos),
@@ -187,7 +187,7 @@ class Sizer:
             "inclination_sigma": float(sigma[3]),
             "confidence": sure,
         }
-        return row | self._protrusion(height, inside, x, bearing_of(middle, turn), bore.values)
+        return row | self._protrusion(height, inside, x, middle + turn, bore.values)
 
     def _near(self, inside: np.ndarray, turn: np.ndarray, rows: slice, one: Row) -> np.ndarray:
         """Return the readings beyond the wall that belong to the opening, not to another one in the window."""
@@ -234,7 +234,8 @@ class Sizer:
         if not np.isfinite([*found.depth, *found.length, *found.span]).all():
             return None
         kind, sure = self._kind(found)
-        row: Row = {"kind": kind, "confidence": float(one["probability"]) * sure, "bearing_sigma": found.bearing[1]}
+        row: Row = {"kind": kind, "confidence": float(one["probability"]) * sure}
+        row["bearing_sigma"] = float(np.hypot(found.bearing[1], wall.roll_sigma[ring]))
         row |= self._place(found.x[0], found.x[1], found.bearing[0])
         row |= {"depth": found.depth[0], "depth_sigma": found.depth[1]}
         row |= {"length": found.length[0], "length_sigma": found.length[1]}
@@ -247,11 +248,6 @@ class Sizer:
             return "intrusion", _KIND_SURE
         low = abs(np.angle(np.exp(1j * (bump.bearing[0] + 0.5 * np.pi)))) < _LOWER_THIRD
         return ("deposit" if low else "dent"), _KIND_SURE
-
-
-def bearing_of(middle: float, turn: np.ndarray) -> np.ndarray:
-    """Return bearings from turns about a middle."""
-    return middle + turn
 
 
 def _set_off(step: np.ndarray, step_sigma: np.ndarray, turn: np.ndarray, turn_sigma: np.ndarray) -> Row:

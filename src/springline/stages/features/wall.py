@@ -29,7 +29,8 @@ _MOST_OFFSET = 0.004
 _BRIDGED = 0.7
 _WHOLE = 0.85
 _TILT = np.radians(1.0)
-"""One-sigma of a robot's tilt where nothing tells it."""
+_ROLL = np.radians(2.0)
+"""One-sigma of a robot's tilt and of its roll where nothing tells them."""
 
 
 class Patch(NamedTuple):
@@ -61,7 +62,7 @@ class Wall:
         steps: (ring, 3) centre_z, centre_y and mean radius as each ring by itself shows them; NaN where it cannot.
         chainage: (ring,) [m].
         noise: (ring,) one-sigma of a reading [m].
-        pitch, yaw, roll, tilt_sigma: (ring,) how the ring lies in the pipe [rad], 0 where it is not known.
+        pitch, yaw, roll, tilt_sigma, roll_sigma: (ring,) how the ring lies in the pipe [rad], 0 where it is not known.
         diameter, spacing: Typical ones [m].
     """
 
@@ -89,6 +90,10 @@ class Wall:
         known = [np.isfinite(pose[name].values) if name in pose else np.zeros(count, bool) for name in names[:2]]
         sigma = np.hypot(*(_or(pose, f"{name}_sigma", count) for name in names[:2]))
         self.tilt_sigma = np.zeros(count) if about_axis else np.where(known[0] & known[1], sigma, _TILT)
+        rolled = "roll" in pose and np.isfinite(pose["roll"].values).any()
+        self.roll_sigma = np.zeros(count) if about_axis else _or(pose, "roll_sigma", count)
+        if not (rolled or about_axis):
+            self.roll_sigma = np.full(count, _ROLL)
 
     def _footprints(self, found: xr.Dataset) -> np.ndarray:
         """Return which readings (ring, bearing) candidates take: openings and bumps with a margin about them."""

@@ -55,3 +55,10 @@ def test_nothing_open_is_no_bore():
     x, theta, inside = opening(0.17, 1.0, 0.05, 0.0)
     nothing = np.zeros_like(inside)
     assert fit_bore(x, theta, np.full(x.shape, RADIUS), nothing, ~nothing, wall=RADIUS, noise=1e-3) is None
+
+
+def test_a_straight_edge_says_of_no_bore_how_large_it_is():
+    x, theta, inside = opening(0.17, 1.0, 0.05, 0.0)
+    inside = theta > 1.2
+    found = fit_bore(x, theta, np.full(x.shape, RADIUS), inside, np.ones_like(inside), wall=RADIUS, noise=1e-3)
+    assert found is None or found.agreement < 0.9 or found.covariance[2, 2] > 1e-4
