@@ -138,7 +138,7 @@ def look(profile: Profile, step: float, rate: float) -> Looked:
         sigma = np.hypot(spread * own, np.nan_to_num(profile.fixed))
         if length == TOLD:
             detectable = (limit + DETECTION) * float(np.median(sigma[seen]))
-        score = np.where(seen, mean / sigma, 0.0)
+        score = np.where(seen, mean, 0.0) / np.maximum(sigma, 1e-15)
         better = np.abs(score) > np.abs(best)
         best[better] = score[better]
         found[better] = np.column_stack((mean, sigma, np.full(len(mean), length)))[better]

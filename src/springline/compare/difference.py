@@ -24,18 +24,20 @@ _JOINT_LENGTH = 0.05  # m: what stands out all round over no more than this is a
 _JOINT_SIGMAS = 6.0
 _FAR, _FAR_SHARE = 5.0, 0.03  # scatters, and the share of a ring's readings so far off that a short event is a joint
 _NEAR_JOINT = 2  # rows beside a joint that are left out with it
+_SPIKE = 4.5  # scatters
 _RIM = 4  # cells beside an opening that its rim may reach
 _LEAST_NOISE = 0.1  # of the readings' scatter: no cell is surer, however alike two maps are
 _LEAST_NOISE = 0.1  # of the readings' scatter: no cell is surer, however alike two maps are
 _PATTERN_LENGTH = 5.0  # m from which a pattern that all rings share can be told from a patch
 
-COMPARED, UNSEEN_A, UNSEEN_B, EDGE, UNPLACED = 0, 1, 2, 3, 4
+COMPARED, UNSEEN_A, UNSEEN_B, EDGE, UNPLACED, SPIKE = 0, 1, 2, 3, 4, 5
 WHY_NOT = {
     COMPARED: "compared",
     UNSEEN_A: "not seen in A",
     UNSEEN_B: "not seen in B",
     EDGE: "an edge of the wall: joint, lateral or step",
     UNPLACED: "place in B not certain",
+    SPIKE: "a lone reading far off",
 }
 """Why a cell of the difference map has a value (0) or none."""
 
@@ -59,6 +61,7 @@ class Difference:
         pattern: (m,) change that all rings share [m], which a sensor's error and a wall worn alike over the whole
             length both show; 0 when the pipe is too short to tell.
         fine: (n,) whether the relief placed the row.
+        radius: Usual radius of the pipe [m].
     """
 
     chainage: NDArray[np.float64]
@@ -73,6 +76,7 @@ class Difference:
     scale_sigma: float
     pattern: NDArray[np.float64]
     fine: NDArray[np.bool_]
+    radius: float = 0.0
 
     @property
     def step(self) -> float:
@@ -111,6 +115,8 @@ def difference(a: Wall, b: Wall, placed: Registration) -> Difference:
     rim = _rims(a, x, rows, None) | _rims(turned, own, rows, placed.roll_at(x))
     why = _why(wall_a, wall_b, seen_a, seen_b, rim | joint[:, None], placed.reliable(x))
     change = np.where(why == COMPARED, change, np.nan).astype(np.float32)
+    spike = _spikes(change, step)
+    why[spike], change[spike] = SPIKE, np.nan
     change = _without_shape(change, bearing, step)
     pattern = _pattern(change, float(x[-1] - x[0]))
     change -= pattern.astype(np.float32)
@@ -120,7 +126,7 @@ def difference(a: Wall, b: Wall, placed: Registration) -> Difference:
         wall_a=np.where(seen_a, wall_a, np.nan).astype(np.float32),
         wall_b=np.where(seen_b, wall_b, np.nan).astype(np.float32),
         change=change, sigma=sigma, why=why, scale=scale, scale_sigma=scale_sigma,
-        pattern=pattern, fine=placed.refined_at(x),
+        pattern=pattern, fine=placed.refined_at(x), radius=a.radius,
     )  # fmt: skip
 
 
@@ -216,6 +222,14 @@ def _why(
     why[~seen_a] = UNSEEN_A
     why[~good] = UNPLACED
     return why
+
+
+def _spikes(change: NDArray, step: float) -> NDArray[np.bool_]:
+    """Return the cells that stand far off their eight neighbours: no wall does that, stray readings do."""
+    sigma = _local_sigma(change, step)
+    near = median_filter(np.pad(np.nan_to_num(change), ((0, 0), (1, 1)), mode="wrap"), 3, mode="nearest")[:, 1:-1]
+    with np.errstate(invalid="ignore"):
+        return np.abs(change - near) > _SPIKE * sigma
 
 
 def _without_shape(change: NDArray, bearing: NDArray, step: float) -> NDArray[np.float32]:

@@ -28,7 +28,7 @@ _KINDS = {
 }
 _LEAST_CONFIDENCE = 0.5
 _FEWEST_RINGS = 32
-_TILT = np.radians(2.0)
+_TILT, _TILT_ESTIMATED = np.radians(2.0), np.radians(1.0)
 
 
 @dataclass(frozen=True)
@@ -112,8 +112,8 @@ class Epoch:
 
     @property
     def tilt_sigma(self) -> float:
-        """One-sigma of what is not known of the sensor's tilt [rad]: 0 where it was estimated."""
-        return 0.0 if self.wall is not None and self.wall.roll_source == "pose" else float(_TILT)
+        """One-sigma of what is not known of the sensor's tilt [rad]: less where it was estimated."""
+        return float(_TILT_ESTIMATED) if self.wall is not None and self.wall.roll_source == "pose" else float(_TILT)
 
     def kinds(self) -> list[str]:
         """Return the kind of each of `features`, in the inspection's own words."""

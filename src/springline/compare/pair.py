@@ -307,9 +307,9 @@ def _notes(whole: Comparison) -> list[str]:
             f"A pattern that all rings share (up to {most * 1e3:.2f} mm) was taken out: wear alike along the whole "
             "pipe cannot be told from a sensor's error at that bearing."
         )
-    if max(whole.a.tilt_sigma, whole.b.tilt_sigma) > 0:
+    if "pose" not in (whole.a.wall.roll_source, whole.b.wall.roll_source):
         notes.append(
-            "The tilt of a sensor was not estimated; 2 degrees of it, one-sigma, stand in the uncertainty of diameters "
-            "and ovality."
+            "The tilt of the sensors was not estimated; 2 degrees of it, one-sigma, stand in the uncertainty of "
+            "diameters and ovality."
         )
     return notes

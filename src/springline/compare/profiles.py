@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from .epochs import Epoch
     from .registration import Registration
 
+_ROLL_ASSUMED = np.radians(3.0)
 _MODE_SURE = 0.95
 _MODE_LENGTH = 0.3  # m: the least stretch of another mode that is told
 
@@ -53,10 +54,14 @@ def section_profiles(a: Epoch, b: Epoch, placed: Registration, found: Difference
         ("diameter_min", lambda m, c, s: 2 * (m - np.hypot(c, s)), 2 * both, 2 * radius * tilt),
         ("ovality", lambda m, c, s: np.hypot(c, s) / m, shape / radius, tilt / 2.0),
     )
+    # An oval that is turned against the other changes its horizontal and vertical diameter.
+    turn = 4.0 * np.hypot(p_a[:, 1], p_a[:, 2]) * np.nan_to_num(placed.roll_sigma_at(found.chainage), nan=_ROLL_ASSUMED)
     profiles = []
     for name, of, sigma, fixed in rows:
         before, after = of(*p_a.T), of(*p_b.T)
         wide = np.full(len(before), np.hypot(fixed, scale if name.startswith("diameter") else 0.0))
+        if name in ("diameter_x", "diameter_y"):
+            wide = np.hypot(wide, turn)
         profiles.append(Profile(name, before, after - before, sigma, wide))
     return profiles
 

@@ -45,6 +45,10 @@ class Registration:
         """Return the roll of B against A [rad] at chainage in A [m]."""
         return np.interp(chainage, self.drift.chainage_a, np.unwrap(self.roll))
 
+    def roll_sigma_at(self, chainage: np.ndarray) -> np.ndarray:
+        """Return the one-sigma of `roll_at` [rad]; NaN where the roll is assumed."""
+        return np.interp(chainage, self.drift.chainage_a, self.roll_sigma)
+
     def refined_at(self, chainage: np.ndarray) -> np.ndarray:
         """Return whether the relief places `chainage` in A [m]: both nodes beside it are by relief."""
         x = np.asarray(chainage, dtype=np.float64)

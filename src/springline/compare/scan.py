@@ -37,6 +37,7 @@ DETECTION = 1.6449
 """One-sided 95 % quantile of the unit normal: a change is detectable when it passes the threshold so often."""
 
 _LEAST_SEEN = 0.6
+_SLOW = 3.5e-4  # of the radius: sections bend by so much where attitude is a degree off, over a metre or so
 _MOST_PATCHES = 400
 _SHARPENED = 60
 _FEWEST_CELLS = 3
@@ -187,13 +188,20 @@ def scan(found: Difference, rate: float = FALSE_ALARMS) -> Scan:
         score = np.where(seen, top / root, 0.0)
         spread = max(1.0, 1.4826 * float(np.median(np.abs(score[seen])))) if seen.any() else 1.0
         inflation.append(spread)
-        score /= spread
+        own = spread / root
+        total = np.hypot(own, _slow(found, template))
+        score *= own / total / spread
         better = np.abs(score) > np.abs(best)
         best[better], which[better] = score[better], k
-        depth[better], sigma[better] = (top / np.where(seen, bottom, 1.0))[better], (spread / root)[better]
+        depth[better], sigma[better] = (top / np.where(seen, bottom, 1.0))[better], total[better]
     patches = _pick(found, templates, best, which, depth, sigma, limit)
     patches = (*(sharpened(found, p) for p in patches[:_SHARPENED]), *patches[_SHARPENED:])
     return Scan(patches, limit, templates, np.array(inflation), searched)
+
+
+def _slow(found: Difference, template: Template) -> float:
+    """Return the one-sigma [m] of what a template as long as errors of attitude last takes from them."""
+    return _SLOW * found.radius * min(template.length / LENGTHS[-1], 1.0)
 
 
 def _slide(wave: NDArray, template: Template, power: int, shape: tuple[int, int], n: int) -> NDArray[np.float32]:
@@ -287,20 +295,18 @@ def detectable(
     turn = 2 * np.pi / found.change.shape[1]
     along = _bump(max(halve * length / found.step, 1.0))
     around = _ring(max(halve * width / turn, 1.0), found.change.shape[1])
-    gains = [
-        _overlap(along, t.along) * float(around @ t.around) / (spread * _norm(t.along) * _norm(t.around))
-        for t, spread in zip(scanned.templates, scanned.inflation, strict=True)
-    ]
     known = np.isfinite(found.change)
     sigma = np.where(known.any(axis=1), found.sigma[:, 0], np.nan)
-    return (scanned.threshold + DETECTION) * sigma / max(gains)
+    least = np.full(len(sigma), np.inf)
+    for t, spread in zip(scanned.templates, scanned.inflation, strict=True):
+        norm = float(np.sum(t.along**2) * np.sum(t.around**2))
+        shown = _overlap(along, t.along) * float(around @ t.around) / norm
+        if shown > 0:
+            least = np.fmin(least, np.hypot(spread * sigma / np.sqrt(norm), _slow(found, t)) / shown)
+    return (scanned.threshold + DETECTION) * np.where(np.isfinite(sigma), least, np.nan)
 
 
 def _overlap(a: NDArray, b: NDArray) -> float:
     """Return the sum of the product of two centred shapes."""
     half = min(len(a), len(b)) // 2
     return float(a[len(a) // 2 - half : len(a) // 2 + half + 1] @ b[len(b) // 2 - half : len(b) // 2 + half + 1])
-
-
-def _norm(a: NDArray) -> float:
-    return float(np.sqrt(a @ a))

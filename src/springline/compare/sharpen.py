@@ -14,7 +14,9 @@ if TYPE_CHECKING:
     from .difference import Difference
 
 _REACH = 2.5  # of the length, to each side of the middle
-_SMALLER, _LARGER = 0.35, 3.0
+_SMALLER, _LARGER = 0.4, 2.5
+_MARGIN = 0.02  # of the logarithm of a size: nearer to the bounds the fit has run off
+_LEAST_SCORE = 4.0
 _MOST_ROWS = 240
 _FEWEST = 40
 _LEAST_SEEN = 0.3
@@ -57,9 +59,12 @@ def dent_fit(
     q, normal = solved.x, solved.jac.T @ solved.jac
     unit = np.sqrt(np.maximum(np.diag(normal), 1e-300))
     settled = solved.success and np.linalg.cond(normal / np.outer(unit, unit)) < _WORST_CONDITION
-    if not settled or q[4] * depth <= 0 or not (low < q[2] < high and low < q[3] < high):
+    inside = low + _MARGIN < min(q[2], q[3]) and max(q[2], q[3]) < high - _MARGIN
+    if not settled or q[4] * depth <= 0 or not inside:
         return None
     spread = float(np.sqrt(np.linalg.inv(normal)[4, 4]))
+    if abs(q[4]) < _LEAST_SCORE * spread:
+        return None
     size = float(length * np.exp(q[2])), float(width * np.exp(q[3]))
     return float(q[0]), float(q[1] % (2 * np.pi)), *size, float(q[4]), spread
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ...compare.difference import COMPARED, EDGE, UNPLACED, UNSEEN_A, UNSEEN_B, WHY_NOT
+from ...compare.difference import COMPARED, EDGE, SPIKE, UNPLACED, UNSEEN_A, UNSEEN_B, WHY_NOT
 from ..colours import LEVELS, levels, nice_limit, rgb, scale_colours
 from ..png import palette_png
 from ..report.charts import Band, Chart, Line, axis_over, drawn
@@ -23,7 +23,7 @@ _WIDTH = 1200
 _SIGMAS_95 = 1.959964
 _BLUE, _ORANGE, _GREEN, _PURPLE, _INK = "#0072b2", "#d55e00", "#009e73", "#b0599a", "#1d2733"
 _DIFFERENCE_NOTE = "Averaged over 10 cm and 12 degrees; patches that are told are ringed and numbered."
-_WHY_COLOURS = {UNSEEN_A: "#c9ccd1", UNSEEN_B: "#aeb4bb", EDGE: "#8e6bb0", UNPLACED: "#e8d9a8"}
+_WHY_COLOURS = {UNSEEN_A: "#c9ccd1", UNSEEN_B: "#aeb4bb", EDGE: "#8e6bb0", UNPLACED: "#e8d9a8", SPIKE: "#d17fb0"}
 
 
 class Strip:
