@@ -23,7 +23,7 @@ POOL = 200
 ORDERS = (3, 4)
 _CLIP = 3.0
 _LEAK = 1.5
-"""What is left of a shape in the radii, over its size times the unseen share of the wall: by simulation."""
+"""What is left of a shape in the radii, over its size times the share of the wall that is unseen or seen askew."""
 _CERTAIN = 40.0
 """Chi-square of the four terms beyond which a shape is called: once in ten million pools by chance."""
 
@@ -36,8 +36,8 @@ class Harmonics:
         terms: cos and sin of order 3 and 4 of each pool [m] (pool, 4), in the rings' own frame.
         sigma: One-sigma of one term [m] (pool, 4).
         significant: Whether each pool differs from ellipses (pool,).
-        doubt: One-sigma by which the shape may still bend each ring's radii [m] (n,): by its size and the share of the
-            wall that is not seen; 0 where there is no such shape.
+        doubt: One-sigma by which the shape may still bend each ring's radii [m] (n,): by its size, the share of the
+            wall that is not seen, and how far the sensor stands off the axis; 0 where there is no such shape.
         parameters: The rings' centre_z, centre_y, mean_radius, oval_cos, oval_sin, freed of the shape [m] (n, 5).
     """
 
@@ -105,6 +105,11 @@ def pooled_harmonics(ranges: np.ndarray, bearings: np.ndarray, parameters: np.nd
         out.significant[k] = found[5:] @ np.linalg.solve(spread, found[5:]) > _CERTAIN
         if out.significant[k]:
             out.parameters[rows] += found[:5]
-            # A robot that rolls turns the shape within the pool, so that what is taken out is not quite it.
-            out.doubt[rows] = _LEAK * np.linalg.norm(found[5:]) * (1.0 - np.mean(seen))
+            # A robot that rolls turns the shape within the pool, and one off the axis sees its near side more densely,
+            # so that what is taken out is not quite it.
+            unseen = 1.0 - np.mean(seen)
+            aside = (
+                0.5 * np.sqrt(np.nanmean(np.sum(parameters[rows, :2] ** 2, axis=1))) / np.nanmedian(parameters[rows, 2])
+            )
+            out.doubt[rows] = _LEAK * np.linalg.norm(found[5:]) * np.hypot(unseen, aside)
     return out
