@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+import springline as sl
 from springline.estimation import Inertial, Rings, Ties, estimate_joint
 from springline.geometry.fitting import fit_ellipses_to_ranges
 from springline.geometry.robot.boresight import on_scanner, robot_attitude
@@ -68,3 +69,17 @@ def test_a_boresight_taken_out_leaves_neither_section_nor_attitude_wrong(weave):
     error = np.abs(np.mean(robot - true, axis=0))
     assert np.all(error < 3.0 * np.sqrt(np.mean(np.einsum("nii->ni", covariance), axis=0)))
     assert np.all(error < np.radians(0.2))
+
+
+def test_an_inspection_uses_the_boresight_of_a_calibration():
+    made = simulate(parse(SCENARIO.replace("length = 10.0", "length = 6.0").replace("0.25, 9.7", "0.25, 5.7")), seed=1)
+    attrs = dict(zip(("boresight_pitch", "boresight_yaw", "boresight_roll"), BORESIGHT, strict=True))
+    told = made.corrected("rings", made.rings.assign_attrs(attrs))
+    errors = []
+    for survey in (made, told):
+        found, truth = sl.inspect(survey), made.truth
+        true = [np.interp(truth["ring_chainage"], truth["chainage"], truth[f"diameter_{axis}"]) for axis in "xy"]
+        true = np.abs(true[0] - true[1]) / (true[0] + true[1])
+        seen = np.hypot(found.section["parameters"].values[:, 1], found.section["parameters"].values[:, 2])
+        errors.append(100.0 * np.sqrt(np.nanmean((seen / found.section["parameters"].values[:, 0] - true) ** 2)))
+    assert errors[1] < 0.012 < 0.6 * errors[0]

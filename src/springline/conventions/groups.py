@@ -277,7 +277,7 @@ GROUPS = {
         Group(
             "pose",
             "stages.estimate",
-            "robot in the pipe",
+            "robot in the pipe; where a calibration found a boresight, the attitude is the scanner's",
             (
                 *_with_sigma(
                     (

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ...errors import InputError
 from ...estimation import Inertial, JointEstimate, Rings, Ties, estimate_joint
+from ...geometry.robot.boresight import on_scanner
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -61,10 +63,10 @@ def estimate_survey(survey: Survey, fitted: Fitted) -> JointEstimate:
         np.where((fitted.status == 0)[:, None], fitted.parameters, np.nan),
         fitted.covariance,
         rings["time"].values.astype(float) if known else None,
-        _lever(rings.attrs),
+        tuple(on_scanner(_lever(rings.attrs), boresight(rings))),
         rings.attrs.get("distance_source", "odometer") == "odometer",
     )
-    log = _inertial(survey.inertial) if survey.has("inertial") and known else None
+    log = _inertial(survey.inertial, boresight(rings)) if survey.has("inertial") and known else None
     return estimate_joint(given, log, _ties(survey), harmonics=fitted.harmonics, joints=_joints(survey))
 
 
@@ -79,20 +81,29 @@ def _joints(survey: Survey) -> np.ndarray | None:
     return np.unique(found["distance"].values[likely].astype(float))
 
 
+def boresight(rings: xr.Dataset) -> np.ndarray:
+    """Return pitch, yaw and roll (3,) of the scanner against the robot [rad] by its calibration; 0 without one."""
+    return np.nan_to_num([float(rings.attrs.get(f"boresight_{name}", 0.0)) for name in ("pitch", "yaw", "roll")])
+
+
 def _lever(attrs: dict[str, object]) -> tuple[float, float, float]:
     """Return where the sensor stands from the robot's middle [m]: ahead, above, to the right."""
     x, y, z = (float(attrs.get(f"position_{k}", attrs.get(f"offset_{k}", 0.0))) for k in _POSITION)
     return x, y, z
 
 
-def _inertial(data: xr.Dataset) -> Inertial | None:
-    """Return the log of rates and specific force; where it tells attitude alone, what that stands for."""
+def _inertial(data: xr.Dataset, scanner: np.ndarray) -> Inertial | None:
+    """Return the log of rates and specific force on the scanner's axes; where it tells attitude alone, what that says.
+
+    Rings tell the scanner's attitude and the log the robot's, so the log is turned by the scanner's boresight.
+    """
     for form, make in zip(_FORMS, (Inertial, Inertial.from_attitude), strict=True):
         if set(form) <= set(data.variables):
             columns = [data[name].values.astype(float) for name in ("time", *form)]
             known = np.isfinite(np.column_stack(columns)).all(axis=1)
             if known.any():
-                return make(*(column[known] for column in columns))
+                log = make(*(column[known] for column in columns))
+                return replace(log, gyro=on_scanner(log.gyro, scanner), accel=on_scanner(log.accel, scanner))
     return None
 
 
