@@ -17,6 +17,7 @@ _NEAR_X = {"joint": 0.4, "lateral": 0.5}  # radii of the pipe within which two m
 _NEAR_BEARING = 0.45  # rad, of laterals
 _NEUTRAL = {"joint": 55.0, "lateral": 60.0}  # evidence of a frame that speaks neither for nor against
 _TEMPER = 25.0  # samples beside one another, and frames one after the other, see the same
+_USUAL = (0.4, 0.45)  # bore of a lateral in radii of the pipe, and the one-sigma of its logarithm
 _STEADY = 0.02  # of the way ahead: what the pose leaves uncertain of it
 
 
@@ -112,6 +113,8 @@ def _together(group: list[tuple[int, Mark]], eyes: np.ndarray, radius: float, vi
     shown = sum(view[0] * radius < place - (mark.x - mark.ahead) < view[1] * radius for mark in marks)
     missed = max(expected - shown, 0)
     odds = _log_odds(marks, missed)
+    if kind == "lateral":
+        odds -= 0.5 * (math.log(size / (_USUAL[0] * radius)) / _USUAL[1]) ** 2
     return Sighting(
         kind,
         place,
