@@ -23,7 +23,7 @@ _COMMANDS = {
     "calibrate": "Calibrate a sensor from references, or study a method's precision.",
     "simulate": "Simulate a survey with known truth from a scenario.",
     "view": "Serve an inspection's viewer and report on this machine.",
-    "detect": "Find joints and laterals in CCTV frames.",
+    "detect": "Find joints in CCTV frames, from the images alone.",
     "compare": "Compare two inspections of one pipe or more: what changed, and what cannot be said.",
     "design": "Size a liner, from numbers or along an inspected pipe.",
     "reproduce": "Make the dissertation's tables and figures again, beside what was printed.",

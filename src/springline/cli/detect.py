@@ -1,4 +1,4 @@
-"""`springline detect`: joints and laterals in frames, without a survey."""
+"""`springline detect`: joints in frames, without a survey."""
 
 from __future__ import annotations
 
@@ -35,7 +35,9 @@ def detect(
     force: Force = False,
     as_json: Json = False,
 ) -> None:
-    """Find joints and laterals in CCTV frames, from the images alone.
+    """Find joints in CCTV frames, from the images alone.
+
+    Laterals need lens and pose to be told from stains: `springline inspect` looks for them in a survey with frames.
 
     Writes DIR/detections.csv, one row per object, and DIR/<frame>.png, each frame with what was found drawn on it;
     whole or not at all. Pixels count from the centre of the top left one, rows downwards; the angle of the major axis
