@@ -6,7 +6,14 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-from scipy.ndimage import binary_dilation, maximum_filter, median_filter, minimum_filter, uniform_filter1d
+from scipy.ndimage import (
+    binary_dilation,
+    maximum_filter,
+    median_filter,
+    minimum_filter,
+    uniform_filter,
+    uniform_filter1d,
+)
 
 from ..geometry.measures import polar_radius
 from .texture import sample
@@ -24,6 +31,7 @@ _JOINT_LENGTH = 0.05  # m: what stands out all round over no more than this is a
 _JOINT_SIGMAS = 6.0
 _FAR, _FAR_SHARE = 5.0, 0.03  # scatters, and the share of a ring's readings so far off that a short event is a joint
 _NEAR_JOINT = 2  # rows beside a joint that are left out with it
+_CLEAR = 1.0  # scatters of a cell, by which the mean of 25 stands out five times as far
 _SPIKE = 4.5  # scatters
 _RIM = 4  # cells beside an opening that its rim may reach
 _LEAST_NOISE = 0.1  # of the readings' scatter: no cell is surer, however alike two maps are
@@ -240,8 +248,16 @@ def _without_shape(change: NDArray, bearing: NDArray, step: float) -> NDArray[np
     waves = np.column_stack([np.ones_like(bearing), *(f(k * bearing) for k in (1, 2) for f in (np.cos, np.sin))])
     own = _orders(change, waves, 1)
     centred = change - own[:, 1:3] @ waves[:, 1:3].T
-    slow = _orders(centred, waves, max(3, round(_SHAPE / step)))
+    width = max(3, round(_SHAPE / step))
+    slow = _orders(np.where(_marked(centred, step), np.nan, centred), waves, width)
     return (centred - slow @ waves.T).astype(np.float32)
+
+
+def _marked(change: NDArray, step: float) -> NDArray[np.bool_]:
+    """Return the cells that with those about them stand clear of the rest: what is there would raise its neighbours."""
+    near = uniform_filter(np.pad(np.nan_to_num(change), ((0, 0), (2, 2)), mode="wrap"), 5, mode="nearest")[:, 2:-2]
+    with np.errstate(invalid="ignore"):
+        return np.abs(near) > _CLEAR * _local_sigma(change, step)
 
 
 def _orders(change: NDArray, waves: NDArray, width: int) -> NDArray[np.float64]:
