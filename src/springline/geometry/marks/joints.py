@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
 _LEAST_RINGS = 6
-_WIDER = (1.4, 2.0)
+_WIDER = (1.4, 2.5)
 """Factors on the sigmas of step and turn, measured on simulated pipes: rings about a joint share their roughness."""
 
 

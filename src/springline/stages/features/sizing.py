@@ -110,15 +110,19 @@ class Sizer:
             scatter=self.scatter,
             noise=self.ring_noise,
         )
-        if off and not (off.step_sigma[:2] < _UNSURE * wall.diameter).all():
+        # Rings of a cloud share an axis: what one of them is off it tells of the camera, not of the pipe.
+        cloud = wall.rings.attrs.get("distance_source") == "axis"
+        if off and (cloud or not (off.step_sigma[:2] < _UNSURE * wall.diameter).all()):
             off = None
         if gap is None and off is None:
             return None
         half = 0.5 * max(x[last] - x[first], 0.0) + wall.spacing
         row: Row = {"kind": "joint", "confidence": one["probability"]}
         row |= self._place(at, gap.middle_sigma if gap else half / np.sqrt(3.0), np.nan)
-        if gap:
+        if gap and not cloud:
+            # Oblique rays blur a gap along a cloud.
             row |= {"size": gap.gap, "size_sigma": gap.gap_sigma, "length": gap.gap, "length_sigma": gap.gap_sigma}
+        if gap:
             row |= {"depth": gap.depth, "depth_sigma": gap.depth_sigma}
         if off:
             row |= _set_off(off.step, off.step_sigma, off.turn, off.turn_sigma)
