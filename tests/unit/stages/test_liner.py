@@ -161,6 +161,6 @@ def test_the_flag_of_the_command_line_asks_for_them(tmp_path):
 
     config = tmp_path / "config.toml"
     config.write_text('[liner]\nkind = "smooth"\n')
-    asked = _settings(config, None, liner=True).liner
+    asked = _settings(config, None, liner=True, units=None).liner
     assert (asked.fit, asked.kind) == (True, "smooth")
-    assert not _settings(config, None, liner=False).liner.fit
+    assert not _settings(config, None, liner=False, units=None).liner.fit
