@@ -299,8 +299,8 @@ def test_weights_threads_and_kept_weights():
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        ({"family": "eg"}, "family = 'eg' is unknown"),
-        ({"family": "circle"}, "unknown"),
+        ({"family": "eg"}, "family = 'eg' is not known"),
+        ({"family": "circle"}, "is not known"),
         ({"noise": "isotropic"}, "isotropic"),
         ({"weights": np.ones(7)}, "weights has shape"),
         ({"ranges": np.ones(360)}, "expected (ring, bearing)"),
