@@ -118,3 +118,6 @@ def test_faults_are_one_message_and_exit_code_2(run, mine, tmp_path):
     assert "mine.toml, line 9: unknown key 'rings.spacin'" in err
     assert "did you mean 'spacing'?" in err
     assert not (tmp_path / "x.zarr").exists()
+    mine.write_text(SCENARIO + CAMERA, encoding="utf-8")
+    assert run(mine, "-o", tmp_path / "x.zarr", "--seed", 10**30)[0] == 2
+    assert "Traceback" not in run(mine, "-o", mine / "x.zarr")[2]

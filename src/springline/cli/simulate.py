@@ -28,7 +28,9 @@ def simulate(
             "-o", "--output", metavar="OUT", help="NAME.zarr.zip, NAME.zarr, or any format that can be written."
         ),
     ] = None,
-    seed: Annotated[int, typer.Option("--seed", min=0, metavar="N", help="Seed of the measurement's noise.")] = 0,
+    seed: Annotated[
+        int, typer.Option("--seed", min=0, max=2**32 - 1, metavar="N", help="Seed of the measurement's noise.")
+    ] = 0,
     list_ready: Annotated[bool, typer.Option("--list", help="List the ready scenarios.")] = False,
     force: Force = False,
 ) -> None:

@@ -11,6 +11,7 @@ from ..conventions import bearing_from_clock
 from ..errors import ParameterError
 from . import equipment, pipes, strewn
 from .checks_camera import check_camera
+from .checks_size import check_size
 from .laying import joints, total_length
 from .problem import Path, Problem, require
 from .profiles import extremes
@@ -27,11 +28,13 @@ def check(scenario: Scenario) -> None:
     if not (scenario.rings or scenario.rings_rear or scenario.depth_camera or scenario.camera):
         raise Problem(("rings",), "nothing", "at least one of rings, rings_rear, depth_camera, camera")
     pipe = scenario.pipe
+    check_size(scenario)
     _bends(pipe)
     _sags(pipe)
     length = total_length(pipe)
     _sections(pipe, length)
     _patches(pipe, length)
+    _harmonics(pipe)
     _levels(pipe, length)
     _lobes(pipe, length)
     _joints(pipe, length)
@@ -97,6 +100,10 @@ def _sections(pipe: pipes.Pipe, length: float) -> None:
         start, end = one.start or 0.0, length if one.end is None else one.end
         inside = 0.0 <= start < end <= length + _TOUCH
         require(inside, (*path, "start"), start, f"start and end between 0 and the pipe's length, {length:g} m")
+        for key in ("diameter", "semi_major", "semi_minor"):
+            value = getattr(one, key)
+            least = np.inf if value is None else extremes(value)[0]
+            require(least > 0.0, (*path, key), least, "above 0 all along")
         try:
             sections_at(pipe, one, np.linspace(start, end, 201))
         except ParameterError as error:
@@ -142,6 +149,17 @@ def _inside(path: Path, chainage: float, length: float) -> None:
     require(0.0 <= chainage <= length, path, chainage, f"between 0 and the pipe's length, {length:g} m")
 
 
+def _harmonics(pipe: pipes.Pipe) -> None:
+    """Check that harmonics together leave the wall outside the axis."""
+    left = 0.5 * pipe.diameter
+    for k, one in enumerate(pipe.harmonic):
+        low, high = extremes(one.amplitude)
+        swing = max(-low, high)
+        expected = f"below {left:g} m, what other harmonics leave of the pipe's radius"
+        require(swing < left, ("pipe", "harmonic", k, "amplitude"), swing, expected)
+        left -= swing
+
+
 def _levels(pipe: pipes.Pipe, length: float) -> None:
     """Check that water and beds stay below O, and lobes within the radius."""
     below = 0.5 * pipe.diameter
@@ -154,6 +172,7 @@ def _levels(pipe: pipes.Pipe, length: float) -> None:
             require(one.depth < most, (*path, "depth"), one.depth, f"below the way from wall to axis, {most:g} m")
             start, end = one.start or 0.0, length if one.end is None else one.end
             require(start < end, (*path, "start"), start, f"below its end, {end:g} m")
+            require(start < length, (*path, "start"), start, f"below the pipe's length, {length:g} m")
 
 
 def _lobes(pipe: pipes.Pipe, length: float) -> None:
@@ -182,7 +201,18 @@ def _joints(pipe: pipes.Pipe, length: float) -> None:
         require(half < joint.chainage < length - half, (*path, "chainage"), joint.chainage, f"inside 0 to {length:g} m")
         aside = hypot(joint.offset_y, joint.offset_z)
         require(aside < radius, (*path, "offset_y"), joint.offset_y, f"an offset below {radius:g} m")
-    for a, b in pairwise(joints(pipe)):
+    laid = joints(pipe)
+    for joint in laid:
+        where: Path = ("pipe", "joints")
+        why = f" puts a joint at {joint.chainage:g} m"
+        inside = 0.5 * joint.gap < joint.chainage < length - 0.5 * joint.gap
+        spacing = pipe.joints.spacing if pipe.joints else 0.0
+        expected = f"joints inside 0 to {length:g} m: a smaller spacing_sigma or gap, or another first"
+        require(inside, (*where, "spacing"), spacing, expected, why)
+        aside = hypot(joint.offset_y, joint.offset_z)
+        sigma, why = (pipe.joints.offset_sigma if pipe.joints else 0.0), f" puts a joint {aside:g} m aside"
+        require(aside < radius, (*where, "offset_sigma"), sigma, f"offsets below {radius:g} m", why)
+    for a, b in pairwise(laid):
         end = a.chainage + 0.5 * a.gap
         listed = b in pipe.joint
         path = ("pipe", "joint", pipe.joint.index(b), "chainage") if listed else ("pipe", "joints", "spacing")
@@ -226,10 +256,24 @@ def _robot(scenario: Scenario) -> None:
         require(max(-low, high) <= 60.0, ("robot", key), max(-low, high), "within 60 degrees")
 
 
-def _drive(scenario: Scenario, length: float) -> None:
+def _drives(scenario: Scenario, length: float) -> tuple[float, float]:
+    """Return from where to where the robot's middle drives [m]."""
     robot = scenario.robot
     start = 0.5 * robot.length if robot.start is None else robot.start
-    end = length - 0.5 * robot.length if robot.end is None else robot.end
+    return start, length - 0.5 * robot.length if robot.end is None else robot.end
+
+
+def _ahead(scenario: Scenario, name: str, drives: tuple[float, float], length: float) -> None:
+    """Check that a sensor leaves the pipe's ends by a robot's length at most: as far the pipe is drawn out straight."""
+    position, spare = getattr(scenario, name).position, scenario.robot.length
+    low, high = -drives[0] - spare, length - drives[1] + spare
+    expected, why = f"{low:g} to {high:g} m ahead of the robot's middle", " is far outside the pipe's ends"
+    require(low <= position[0] <= high, (name, "position"), list(position), expected, why)
+
+
+def _drive(scenario: Scenario, length: float) -> None:
+    robot = scenario.robot
+    start, end = _drives(scenario, length)
     key = "start" if robot.start is not None else "end" if robot.end is not None else "length"
     expected = f"0 <= start < end <= the pipe's length, {length:g} m"
     require(
@@ -249,12 +293,17 @@ def _sensors(scenario: Scenario, length: float) -> None:
         if scanner is not None:
             expected = f"below range_max, {scanner.range_max:g} m"
             require(scanner.range_min < scanner.range_max, (name, "range_min"), scanner.range_min, expected)
+            _ahead(scenario, name, _drives(scenario, length), length)
     for k, slip in enumerate(scenario.odometer.slip):
         expected = f"above -{slip.length:g} m: the counter never runs back"
+        _inside(("odometer", "slip", k, "chainage"), slip.chainage, length)
+        longest = f"at most the pipe's length, {length:g} m"
+        require(slip.extra <= length, ("odometer", "slip", k, "extra"), slip.extra, longest)
         require(slip.extra > -slip.length, ("odometer", "slip", k, "extra"), slip.extra, expected)
     for at in scenario.ties.chainages if scenario.ties else ():
         _inside(("ties", "chainages"), at, length)
     for at in scenario.depth_camera.captures if scenario.depth_camera else ():
         _inside(("depth_camera", "captures"), at, length)
+        _ahead(scenario, "depth_camera", (at, at), length)
     for k, (start, end) in enumerate(scenario.inertial.gap if scenario.inertial else ()):
         require(start < end, ("inertial", "gap", k), (start, end), "a start before its end")

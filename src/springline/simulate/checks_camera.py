@@ -35,6 +35,8 @@ def _lens(camera: optics.Camera) -> None:
     if lens.coefficients and lens.model != "polynomial":
         none = "none: only model = 'polynomial' has them"
         raise Problem((*path, "coefficients"), list(lens.coefficients), none)
+    if lens.k_px is not None and "field_of_view_deg" in lens.model_fields_set:
+        raise Problem((*path, "k_px"), lens.k_px, "k_px or field_of_view_deg, not both: each sets the lens's scale")
     if lens.k_px is None:
         most = 2.0 * LIMITS[lens.model]
         why = f": the {lens.model} lens ends there"

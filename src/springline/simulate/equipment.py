@@ -25,7 +25,7 @@ class Standstill(Part):
     """A stop."""
 
     chainage: Length
-    duration: float = Field(gt=0.0)
+    duration: float = Field(gt=0.0, le=1e6)
 
 
 class Knock(Part):
@@ -62,7 +62,7 @@ class Robot(Part):
     from_end: bool = Field(False, description="drive from the pipe's end to its start")
     start: Length | None = Field(None, description="distance from where it enters; default: half its length")
     end: Length | None = None
-    speed: float = Field(0.1, gt=0.0, le=10.0, description="m/s")
+    speed: float = Field(0.1, ge=1e-6, le=10.0, description="m/s")
     standstill: tuple[Standstill, ...] = ()
     knock: tuple[Knock, ...] = ()
 
@@ -132,7 +132,7 @@ class Odometer(Part):
     """The odometer or cable counter."""
 
     scale_error: Annotated[float, Field(ge=-0.2, le=0.2)] = 0.0
-    noise: NonNegative = Field(0.0, description="random walk [m per square root of m]")
+    noise: Share = Field(0.0, description="random walk [m per square root of m]")
     slip: tuple[Slip, ...] = ()
 
 

@@ -27,7 +27,9 @@ class Lens(Part):
     field_of_view_deg: float = Field(
         110.0, gt=0.0, lt=360.0, description="full angle across the picture's width; sets the lens's scale k"
     )
-    k_px: float | None = Field(None, gt=0.0, description="its scale, in place of field_of_view_deg")
+    k_px: float | None = Field(
+        None, gt=0.0, allow_inf_nan=False, description="its scale, in place of field_of_view_deg"
+    )
     coefficients: tuple[Annotated[float, Field(allow_inf_nan=False)], ...] = Field(
         (), max_length=4, description="polynomial: k1 to k4 of OpenCV's fisheye"
     )
@@ -43,8 +45,10 @@ class Lamp(Part):
     """One lamp on the camera."""
 
     position: Triple = Field((0.0, 0.0, 0.0), description="from the camera, in its axes: ahead, up, right")
-    power: NonNegative = Field(1.0, description="share of the light, against the other lamps")
-    half_angle_deg: float = Field(60.0, gt=0.0, le=90.0, description="off the optical axis at which half is left")
+    power: Annotated[float, Field(ge=0.0, le=1000.0)] = Field(
+        1.0, description="share of the light, against the other lamps"
+    )
+    half_angle_deg: float = Field(60.0, ge=1.0, le=90.0, description="off the optical axis at which half is left")
     pitch_deg: Angle = Field(0.0, description="of its beam, up from the camera's")
     yaw_deg: Angle = Field(0.0, description="of its beam, right from the camera's")
 
@@ -70,7 +74,9 @@ class Dust(Part):
     """What floats in the air."""
 
     haze: NonNegative = Field(0.0, description="light lost per metre of way [1/m], part of it thrown back")
-    specks: NonNegative = Field(0.0, description="bright motes out of focus, per picture on average")
+    specks: Annotated[float, Field(ge=0.0, le=10000.0)] = Field(
+        0.0, description="bright motes out of focus, per picture on average"
+    )
 
 
 class Camera(Part):

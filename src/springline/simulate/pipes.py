@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Annotated, Literal
 
-from pydantic import Field
+from pydantic import BeforeValidator, Field
 
 from .quantities import (
     Clock,
@@ -20,6 +20,7 @@ from .quantities import (
     Triple,
     Varying,
     VaryingLength,
+    as_metres,
 )
 
 
@@ -69,7 +70,7 @@ class Joints(Part):
     gap: NonNegativeLength = 0.006
     gap_sigma: NonNegativeLength = 0.0
     offset_sigma: NonNegativeLength = 0.0
-    kink_sigma_deg: NonNegative = 0.0
+    kink_sigma_deg: Annotated[float, Field(ge=0.0, le=4.0)] = 0.0
 
 
 Shape = Literal["circle", "ellipse", "mode", "egg", "horseshoe", "inverted_horseshoe", "loaf", "arch", "box"]
@@ -163,12 +164,15 @@ class Lobe(Part):
     ramp: NonNegativeLength = 0.2
 
 
+Grain = Annotated[float, Field(ge=1e-5, allow_inf_nan=False), BeforeValidator(as_metres)]
+
+
 class Relief(Part):
     """Wall roughness: a random relief of stated rms and correlation lengths."""
 
     rms: NonNegativeLength
-    along: PositiveLength = 0.02
-    around: PositiveLength = 0.02
+    along: Grain = 0.02
+    around: Grain = 0.02
 
 
 class Surface(Part):
@@ -218,7 +222,9 @@ class Pipe(Part):
     heading_deg: Number = 0.0
     gradient: Annotated[float, Field(ge=-1.0, le=1.0)] = Field(0.0, description="rise per metre of run")
     perimeter: Literal["exact", "ramanujan"] = Field("exact", description="rule by which an ellipse keeps its length")
-    seed: int = Field(0, ge=0, description="of what is random in the pipe itself: joints, laterals, roughness, looks")
+    seed: int = Field(
+        0, ge=0, lt=2**32, description="of what is random in the pipe itself: joints, laterals, roughness, looks"
+    )
     run: tuple[Annotated[Straight | Bend, Field(discriminator="kind")], ...] = Field(min_length=1)
     sag: tuple[Sag, ...] = ()
     joints: Joints | None = None

@@ -10,8 +10,9 @@ from itertools import pairwise
 from typing import Annotated
 
 import numpy as np
-from pydantic import BaseModel, ConfigDict, Field, field_validator
+from pydantic import BaseModel, ConfigDict, Discriminator, Field, Tag, field_validator
 
+Finite = Annotated[float, Field(allow_inf_nan=False)]
 Positive = Annotated[float, Field(gt=0.0, allow_inf_nan=False)]
 
 
@@ -20,9 +21,9 @@ class Wave(BaseModel):
 
     model_config = ConfigDict(extra="forbid", frozen=True)
 
-    amplitude: float
+    amplitude: Finite
     period: Positive
-    phase_deg: float = 0.0
+    phase_deg: Finite = 0.0
 
 
 class Waves(BaseModel):
@@ -30,10 +31,10 @@ class Waves(BaseModel):
 
     model_config = ConfigDict(extra="forbid", frozen=True)
 
-    mean: float = 0.0
-    amplitude: float = 0.0
+    mean: Finite = 0.0
+    amplitude: Finite = 0.0
     period: Positive = 1.0
-    phase_deg: float = 0.0
+    phase_deg: Finite = 0.0
     waves: tuple[Wave, ...] = ()
 
 
@@ -42,7 +43,7 @@ class Points(BaseModel):
 
     model_config = ConfigDict(extra="forbid", frozen=True)
 
-    points: tuple[tuple[float, float], ...] = Field(min_length=1)
+    points: tuple[tuple[Finite, Finite], ...] = Field(min_length=1)
 
     @field_validator("points")
     @classmethod
@@ -52,7 +53,17 @@ class Points(BaseModel):
         return points
 
 
-Profile = float | Waves | Points
+def _form(value: object) -> str:
+    """Return which form of a profile a value has, so that complaints are of that form alone."""
+    if isinstance(value, dict):
+        return "<points>" if "points" in value else "<waves>"
+    return {Points: "<points>", Waves: "<waves>"}.get(type(value), "<number>")
+
+
+Profile = Annotated[
+    Annotated[Finite, Tag("<number>")] | Annotated[Waves, Tag("<waves>")] | Annotated[Points, Tag("<points>")],
+    Discriminator(_form),
+]
 
 
 def as_profile(value: object) -> object:

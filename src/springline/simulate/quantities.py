@@ -10,15 +10,17 @@ from pydantic import BaseModel, BeforeValidator, ConfigDict, Field
 from .profiles import Profile, as_profile
 
 _UNITS = {"mm": 1e-3, "cm": 1e-2, "m": 1.0, "in": 0.0254, "ft": 0.3048}
-_LENGTH = re.compile(r"\s*([-+0-9.eE]+)\s*(mm|cm|m|in|ft)\s*")
+_LENGTH = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(mm|cm|m|in|ft)\s*")
 
 
 def as_metres(value: object) -> object:
-    """Return metres for a text such as "300mm"; anything else as it is.
+    """Return metres for a text such as "300mm"; anything else as it is, but a truth value is no length.
 
     >>> as_metres("300 mm"), as_metres(0.3)
     (0.3, 0.3)
     """
+    if isinstance(value, bool):
+        raise ValueError("a number or a text such as '300mm'")
     if isinstance(value, str) and (found := _LENGTH.fullmatch(value)):
         return round(float(found[1]) * _UNITS[found[2]], 12)
     return value
@@ -27,9 +29,11 @@ def as_metres(value: object) -> object:
 def as_varying_metres(value: object) -> object:
     """Return a profile of lengths with every text such as "5mm" turned into metres."""
     if isinstance(value, list | tuple):
-        return {"points": [[as_metres(x) for x in pair] for pair in value]}
+        return {"points": [[as_metres(x) for x in pair] if isinstance(pair, list | tuple) else pair for pair in value]}
     if isinstance(value, dict):
-        return {k: as_metres(v) if k in ("mean", "amplitude") else v for k, v in value.items()}
+        waves = value.get("waves")
+        inner = {"waves": [as_varying_metres(wave) for wave in waves]} if isinstance(waves, list | tuple) else {}
+        return {k: as_metres(v) if k in ("mean", "amplitude") else v for k, v in value.items()} | inner
     return as_metres(value)
 
 

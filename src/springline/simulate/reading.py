@@ -58,7 +58,12 @@ def load(scenario: str | Path | Scenario) -> Scenario:
             f"no scenario file '{scenario}' and no ready scenario of that name{nearest(str(scenario), scenarios())}",
             expected="a TOML file or one of " + ", ".join(scenarios()),
         )
-    text = path.read_text(encoding="utf-8")
+    try:
+        text = path.read_text(encoding="utf-8-sig")
+    except UnicodeDecodeError as error:
+        raise FormatError(f"not a text in UTF-8: {error.reason} at byte {error.start}", where=path) from None
+    except OSError as error:
+        raise InputError(f"cannot be read: {error.strerror or error}", where=path) from None
     return parse(text, where=str(path))
 
 
@@ -101,12 +106,15 @@ def _complaint(error: ErrorDetails, raw: dict[str, Any], text: str, where: str) 
     key = key_of(path)
     kind = error["type"]
     if kind == "extra_forbidden":
-        known = _known_keys(path)
+        known = _known_keys(path, error["loc"])
         return ParameterError(
             f"unknown key '{key}' = {error['input']!r}{nearest(str(path[-1]), known)}",
             where=place,
             expected="one of " + ", ".join(known),
         )
+    if kind == "missing" and isinstance(error["loc"][-1], int):
+        value = _value_at(raw, path)
+        return ParameterError(f"{key} = {value!r}", where=place, expected=f"at least {len(value) + 1} values")
     if kind == "missing":
         return ParameterError(f"the key '{key}' is missing", where=place)
     context = error.get("ctx", {})
@@ -141,6 +149,13 @@ def _path_in(raw: Any, loc: tuple[int | str, ...]) -> tuple[int | str, ...]:
             continue
         path.append(step)
     return tuple(path)
+
+
+def _value_at(raw: Any, path: tuple[int | str, ...]) -> Any:
+    """Return what stands in the file at `path`."""
+    for step in path:
+        raw = raw[step]
+    return raw
 
 
 def key_of(path: tuple[int | str, ...]) -> str:
@@ -224,9 +239,11 @@ class _Inline:
                 self._found.setdefault((*self._path, *within, token[1]), number)
 
 
-def _known_keys(path: tuple[int | str, ...]) -> list[str]:
-    """Return the keys that the table holding `path` may have."""
-    return sorted({name for model in _models_at(path) for name in model.model_fields})
+def _known_keys(path: tuple[int | str, ...], loc: tuple[int | str, ...]) -> list[str]:
+    """Return the keys that the table holding `path` may have; `loc` names the kind where tables have kinds."""
+    models = _models_at(path)
+    of_kind = [m for m in models if "kind" in m.model_fields and m.model_fields["kind"].annotation.__args__[0] in loc]
+    return sorted({name for model in of_kind or models for name in model.model_fields})
 
 
 def _models_at(path: tuple[int | str, ...]) -> list[Any]:

@@ -72,6 +72,52 @@ def test_single_values_out_of_range():
     refused('name = "test"\n', "", "name", "missing")
 
 
+@pytest.mark.parametrize(
+    ("line", "needles"),
+    [
+        ("offset_y = [[1.0, 0.0], [0.5, 0.0]]", ("robot.offset_y", "increase")),
+        ("offset_y = [1, 2]", ("robot.offset_y[1] = 1",)),
+        ("offset_y = [[0.0, nan]]", ("robot.offset_y[1][2] = nan", "finite")),
+        ("offset_y = {amplitude = 0.01, period = 0}", ("robot.offset_y.period = 0", "above 0")),
+        ("roll_deg = nan", ("robot.roll_deg = nan", "finite")),
+        ("yaw_deg = {amplitud = 1.0}", ("unknown key 'robot.yaw_deg.amplitud'", "did you mean 'amplitude'?")),
+        ("offset_y = true", ("robot.offset_y = True", "a number")),
+        ("standstill = [{chainage = 2.0, duration = inf}]", ("standstill[1].duration = inf", "at most 1000000")),
+    ],
+)
+def test_what_varies_is_complained_of_in_the_form_that_it_has(line, needles):
+    refused("wheelbase = 0.3", f"wheelbase = 0.3\n{line}", "line 17", *needles)
+
+
+def test_a_wave_may_have_a_unit():
+    text = GOOD.replace("wheelbase = 0.3", 'wheelbase = 0.3\noffset_z = {waves = [{amplitude = "5mm", period = 2.0}]}')
+    assert parse(text).robot.offset_z.waves[0].amplitude == 0.005
+
+
+def test_values_of_the_wrong_number_and_keys_of_another_kind():
+    refused("noise = 0.001", "position = [0.1, 0.0]", "line 19", "rings.position = [0.1, 0.0]", "at least 3 values")
+    refused("length = 5.0", "length = 5.0, radius = 1.0", "line 6", "pipe.run[1].radius", "one of kind, length")
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "needles"),
+    [
+        ("noise = 0.001", "spacing = 1e-12", ("line 19", "rings.spacing = 1e-12", "at least")),
+        ("noise = 0.001", "[camera]\nspacing = 1e-12", ("line 20", "camera.spacing = 1e-12", "at least")),
+        (
+            "wheelbase = 0.3",
+            "wheelbase = 0.3\nspeed = 1e-6\n[inertial]\nrate = 2000.0",
+            ("line 19", "inertial.rate = 2000"),
+        ),
+        ("length = 5.0", "length = 1e9", ("line 6", "pipe.run[1].length", "at most 1e+06 m")),
+        ('kind = "straight", length = 5.0', 'kind = "bend", radius = 1e300, angle_deg = 1.0', ("pipe.run[1].radius",)),
+        ("noise = 0.001", "position = [100.0, 0.0, 0.0]", ("rings.position", "outside the pipe's ends")),
+    ],
+)
+def test_what_no_machine_could_hold_is_refused_at_once(old, new, needles):
+    refused(old, new, *needles)
+
+
 def test_a_run_of_no_known_kind():
     refused('kind = "straight"', 'kind = "curve"', "line 6", "pipe.run[1].kind = 'curve'", "'straight' or 'bend'")
     refused('kind = "straight", ', "", "pipe.run[1].kind", "'straight' or 'bend'")
@@ -113,6 +159,18 @@ def test_a_robot_longer_than_the_bend_allows():
         ("section = [{shape = 'circle', end = 3}, {shape = 'circle', start = 2}]", ("section[2].start", "3 m")),
         ("joint = [{chainage = 2.0}, {chainage = 2.003}]", ("joint[2].chainage", "2.003")),
         ("joints = {spacing = 0.001}", ("joints.spacing", "0.001")),
+        ("joints = {spacing = 1e-9, gap = 0}", ("joints.spacing = 1e-09", "at least")),
+        ("joints = {spacing = 1.0, spacing_sigma = 100.0}", ("joints.spacing", "smaller spacing_sigma")),
+        ("joints = {spacing = 1.0, offset_sigma = 10.0}", ("joints.offset_sigma = 10", "0.15 m")),
+        ("joints = {spacing = 1.0, kink_sigma_deg = 100.0}", ("joints.kink_sigma_deg", "at most 4")),
+        ("laterals = {spacing = 1e-9}", ("laterals.spacing = 1e-09", "at least")),
+        ("decoys = {cracks = 1e9}", ("decoys.cracks", "at most 20000 per metre")),
+        ("harmonic = [{order = 2, amplitude = 0.1}, {order = 3, amplitude = 0.06}]",
+         ("harmonic[2].amplitude", "0.05 m")),
+        ("water = [{start = 7.0, depth = 0.1}]", ("water[1].start = 7", "5 m")),
+        ("roughness = {rms = 0.001, along = 1e-300}", ("roughness.along", "at least")),
+        ("section = [{shape = 'circle', diameter = [[0, 0.3], [1, -0.3]]}]", ("section[1].diameter = -0.3", "above 0")),
+        ("section = [{shape = 'ellipse', semi_major = 0.15, semi_minor = 0}]", ("section[1].semi_minor", "above 0")),
         ("lobe = [{start = 1, end = 2, depth = 0.02, width_deg = 60, form = 'varying', clock_h = 3}]\n"
          "section = [{shape = 'mode', mode = 1, s1 = 0.9}]", None),
         ("lobe = [{start = 1, end = 2, depth = 0.02, width_deg = 60, form = 'varying', clock_h = 2}]\n"
@@ -138,6 +196,13 @@ def test_impossible_pipes(table, needles):
         ("[robot]\nlength = 0.4\noffset_z = {amplitude = 0.2, period = 2}", ("robot.offset_z", "0.2")),
         ("[robot]\nlength = 0.4\nstandstill = [{chainage = 4.9, duration = 5}]", ("standstill[1].chainage", "4.8 m")),
         ("[odometer]\nslip = [{chainage = 2, length = 0.1, extra = -0.2}]\n[robot]\nlength = 0.4", ("slip[1].extra",)),
+        ("[odometer]\nslip = [{chainage = 2, extra = 1e300}]\n[robot]\nlength = 0.4", ("slip[1].extra", "5 m")),
+        ("[odometer]\nnoise = 1e9\n[robot]\nlength = 0.4", ("odometer.noise", "at most 1")),
+        ("[odometer]\nslip = [{chainage = 9, extra = 0.1}]\n[robot]\nlength = 0.4", ("slip[1].chainage", "5 m")),
+        ("[camera]\nlens = {k_px = 90, field_of_view_deg = 90}\n[robot]\nlength = 0.4", ("lens.k_px", "not both")),
+        ("[camera]\nlens = {k_px = inf}\n[robot]\nlength = 0.4", ("lens.k_px = inf", "finite")),
+        ("[camera]\ndust = {specks = 1e12}\n[robot]\nlength = 0.4", ("dust.specks", "at most 10000")),
+        ("[camera]\nlamp = [{half_angle_deg = 1e-9}]\n[robot]\nlength = 0.4", ("half_angle_deg", "at least 1")),
         ("[ties]\nchainages = [0.0, 7.0]\n[robot]\nlength = 0.4", ("ties.chainages = 7", "5 m")),
         ("[camera]\nlense = 3\n[robot]\nlength = 0.4", ("camera.lense", "did you mean 'lens'?")),
     ],
@@ -162,6 +227,11 @@ def test_files_that_are_not_there_or_not_toml(tmp_path):
     path.write_text("name = [", encoding="utf-8")
     with pytest.raises(FormatError, match=r"bad\.toml"):
         load(path)
+    path.write_bytes("name = 'Stra\xdfe'".encode("latin-1"))
+    with pytest.raises(FormatError, match=r"bad\.toml: not a text in UTF-8"):
+        load(path)
+    path.write_bytes(b"\xef\xbb\xbf" + GOOD.encode())  # as some editors begin a file
+    assert load(path) == parse(GOOD)
 
 
 def test_the_manual_is_made_from_the_models():
