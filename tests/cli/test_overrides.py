@@ -1,7 +1,10 @@
 """Corrections beside a survey, and inches and feet, from the command line."""
 
 import csv
+import html
 import json
+import re
+import shlex
 
 import numpy as np
 import pytest
@@ -124,3 +127,33 @@ def test_inches_and_feet(folder, tmp_path):
     assert again.returncode == 0 and "diameter_max_in" in rows(tmp_path / "again" / "stations.csv")[0]
     wrong = run("inspect", folder, "-o", tmp_path / "no", "--units", "uk")
     assert wrong.returncode == 2 and "'uk' is unknown" in wrong.stderr
+
+
+def told_command(report):
+    """The words of the command that a report says makes its results again."""
+    return shlex.split(html.unescape(re.search("springline inspect [^<]*", report.read_text("utf-8")).group()))[1:]
+
+
+def test_the_command_that_the_report_tells_makes_the_same_results_again(tmp_path):
+    write_rings(tmp_path / "two words.csv")
+    (tmp_path / "mine.toml").write_text(OVERRIDES)
+    stated = ["--bearing-zero", "crown", "--bearing-sense", "cw", "--nominal", "300mm", "--base", "298mm"]
+    done = run("inspect", "two words.csv", *stated, "--overrides", "mine.toml", "-o", "out", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    command = told_command(tmp_path / "out" / "report.html")
+    words = [word.replace("config.toml", "out/config.toml").replace("DIR", "again") for word in command]
+    done = run(*words, cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    for name in ("stations.csv", "features.csv", "summary.json"):
+        assert (tmp_path / "again" / name).read_bytes() == (tmp_path / "out" / name).read_bytes()
+    # Inspected once more, the survey holds all that was stated, and is the only input.
+    done = run("inspect", "out/survey.zarr.zip", "-o", "third", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    command = told_command(tmp_path / "third" / "report.html")
+    assert command[1] == "survey.zarr.zip" and "two words.csv" not in command and "--overrides" not in command
+
+
+def test_an_extension_that_no_format_has_is_told_all_that_have_one(folder, tmp_path):
+    done = run("convert", folder, tmp_path / "out.foo")
+    assert done.returncode == 2
+    assert all(extension in done.stderr for extension in (".ply", ".gpkg", ".xlsx", ".isybau.xml"))

@@ -116,11 +116,14 @@ def inspect(
 def _calibrated(surveys: dict[str, Survey], path: Path) -> dict[str, Survey]:
     from ..calibration import with_calibration
     from ..io.calibration_file import read_calibration
-    from ..survey import add_inputs, fingerprint
+    from ..survey import add_inputs, add_provenance, fingerprint
 
     found = read_calibration(path)
     file = fingerprint(path)
-    return {key: add_inputs(with_calibration(survey, found), file) for key, survey in surveys.items()}
+    return {
+        key: add_provenance(add_inputs(with_calibration(survey, found), file), calibration=path.name)
+        for key, survey in surveys.items()
+    }
 
 
 def _read(inputs: list[Path], options: ReadOptions, *, keep_going: bool) -> dict[str, Survey]:
@@ -168,11 +171,12 @@ def _inspect_each(
 
 
 def _corrected(surveys: dict[str, Survey], path: Path) -> dict[str, Survey]:
+    from ..survey import add_provenance
     from ..survey.overrides import with_overrides
 
     if len(surveys) > 1:
         raise InputError(f"it is one file for {len(surveys)} scans", where="--overrides", expected="one scan")
-    return {key: with_overrides(survey, path) for key, survey in surveys.items()}
+    return {key: add_provenance(with_overrides(survey, path), overrides=path.name) for key, survey in surveys.items()}
 
 
 def _settings(path: Path | None, spacing: str | None, *, liner: bool, units: str | None) -> Config:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, fields, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from ..conventions import BEARING_SENSES, BEARING_ZEROS, SENSOR_KINDS
 from ..errors import InputError, ParameterError, nearest
@@ -74,6 +74,10 @@ class ReadOptions:
     def stated(self) -> tuple[str, ...]:
         """Names of the options that are stated."""
         return tuple(f.name for f in fields(self) if getattr(self, f.name) is not None)
+
+    def values(self) -> dict[str, Any]:
+        """Return the options that are stated, by name."""
+        return {name: getattr(self, name) for name in self.stated()}
 
     def only(self, names: Iterable[str]) -> ReadOptions:
         """Return these options with all but the named ones left unstated."""

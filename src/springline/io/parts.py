@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import json
 from itertools import pairwise
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import xarray as xr
 
 from ..errors import InputError
 from ..survey import Survey, add_assumption, validate
-from ..survey.provenance import InputFile, add_inputs
+from ..survey.provenance import InputFile, add_inputs, add_provenance
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -52,6 +52,10 @@ def combine(parts: list[Survey], paths: list[Path], options: ReadOptions) -> Sur
     for part in parts:
         survey = add_inputs(survey, *(InputFile(**i) for i in json.loads(part.attrs["provenance"])["inputs"]))
         survey = add_assumption(survey, *part.assumptions)
+    stated: dict[str, Any] = {}
+    for part in parts:
+        stated |= json.loads(part.attrs["provenance"])["read"]["options"]
+    survey = add_provenance(survey, read={"names": [p.name for p in paths], "options": stated})
     return validate(add_assumption(survey, f"{names} {note}"), where=names)
 
 

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 from ..errors import InputError, SpringlineError
 from ..survey import Survey, add_assumption, fingerprint, validate
 from ..survey.overrides import with_overrides
-from ..survey.provenance import add_inputs
+from ..survey.provenance import add_inputs, add_provenance
 from . import registry
 from .options import ReadOptions
 from .parts import combine
@@ -131,7 +131,10 @@ def read_one(path: Path, options: ReadOptions, *, strict: bool = True) -> Survey
     survey = survey.with_attrs(name=name)
     if options.nominal_diameter is not None:
         survey = survey.with_attrs(nominal_diameter=options.nominal_diameter)
-    survey = validate(add_inputs(survey, inputs), where=str(path))
+    read = {"names": [path.name], "options": options.only(kind.options).values()}
+    # What was given at an earlier inspection is in the survey by now and need not be given again.
+    survey = add_provenance(add_inputs(survey, inputs), read=read, calibration=None, overrides=None)
+    survey = validate(survey, where=str(path))
     beside = overrides_beside(path)
     if beside is None:
         return survey

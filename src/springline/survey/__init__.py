@@ -2,7 +2,7 @@
 
 from .files import open_survey, save_survey
 from .model import Survey
-from .provenance import InputFile, add_assumption, add_inputs, add_run, add_warning, fingerprint
+from .provenance import InputFile, add_assumption, add_inputs, add_provenance, add_run, add_warning, fingerprint
 from .schema import validate
 from .stream import save_blocks
 
@@ -11,6 +11,7 @@ __all__ = [
     "Survey",
     "add_assumption",
     "add_inputs",
+    "add_provenance",
     "add_run",
     "add_warning",
     "fingerprint",

@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 import json
 from dataclasses import asdict, dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -47,6 +47,13 @@ def add_inputs(survey: Survey, *files: InputFile) -> Survey:
     record = json.loads(survey.attrs.get("provenance", "{}"))
     record["inputs"] = [*record.get("inputs", []), *(asdict(f) for f in files)]
     return survey.with_attrs(provenance=json.dumps(record))
+
+
+def add_provenance(survey: Survey, **entries: Any) -> Survey:
+    """Return the survey with entries set in its provenance, such as how it was read; None takes one out."""
+    record = json.loads(survey.attrs.get("provenance", "{}"))
+    kept = {key: value for key, value in (record | entries).items() if value is not None}
+    return survey.with_attrs(provenance=json.dumps(kept, ensure_ascii=False))
 
 
 def add_run(survey: Survey, *, version: str, config: dict) -> Survey:

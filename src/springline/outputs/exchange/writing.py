@@ -100,7 +100,19 @@ def export_of(path: Path, key: str | None = None, *, where: str = "format") -> E
             expected=" or ".join(f"{e.extensions[0]} ({e.title})" for e in several),
             mend="name the format with --to",
         )
+    if key is None and path.suffix and not any(f.writer and _ends(name, f.extensions) for f in FORMATS.values()):
+        kinds = (*(f for f in FORMATS.values() if f.writer), *EXPORTS.values())
+        raise InputError(
+            "this extension cannot be written",
+            where=path,
+            expected=", ".join(dict.fromkeys(e for f in kinds for e in f.extensions if e)),
+            mend="name the format with --to",
+        )
     return None
+
+
+def _ends(name: str, extensions: tuple[str, ...]) -> bool:
+    return any(extension and name.endswith(extension) for extension in extensions)
 
 
 def _refuse_unknown(key: str, where: str) -> None:

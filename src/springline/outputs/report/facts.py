@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import shlex
 from math import isfinite
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from ..summary import summary
 
@@ -61,11 +61,25 @@ def _calibration(results: Results, scales: Scales) -> str:
 
 
 def command(results: Results) -> str:
-    """Return the command line that makes the same results again."""
-    names = [str(item.get("name", "INPUT")) for item in results.provenance.get("inputs", ())] or ["INPUT"]
-    nominal = results.survey.attrs.get("nominal_diameter")
-    size = f" --nominal {float(nominal) * 1e3:g}mm" if nominal is not None else ""
-    rules = [str(row.get("rule")) for row in summary(results.survey)["rules"]]
-    checks = "".join(f" --check {shlex.quote(name)}" for name in rules)
-    names_quoted = " ".join(shlex.quote(name) for name in names)
-    return f"springline inspect {names_quoted}{size}{checks} --config config.toml -o DIR"
+    """Return the command line that makes the same results again: the inputs as they were last read, with what was
+    stated about them, and the corrections and the calibration that were given."""
+    attrs, record = results.survey.attrs, results.provenance
+    read = record.get("read", {})
+    names = read.get("names") or [str(item["name"]) for item in record.get("inputs", ())] or ["INPUT"]
+    stated = {key: _flag_value(value) for key, value in read.get("options", {}).items() if key != "nominal_diameter"}
+    for flag, key in (("nominal", "nominal_diameter"), ("base", "base_diameter")):
+        if attrs.get(key) is not None:
+            stated[flag] = f"{float(attrs[key]) * 1e3:g}mm"
+    files = {key: str(record[key]) for key in ("calibration", "overrides") if key in record}
+    flags = [f"--{key.replace('_', '-')}" for key in (*stated, *files)]
+    # A value that begins with a hyphen, as axes do, would be taken for another option.
+    words = [
+        f"{flag}={value}" if value.startswith("-") else f"{flag} {value}"
+        for flag, value in zip(flags, map(shlex.quote, (*stated.values(), *files.values())), strict=True)
+    ]
+    words += [f"--check {shlex.quote(str(row.get('rule')))}" for row in summary(results.survey)["rules"]]
+    return " ".join(["springline inspect", *map(shlex.quote, names), *words, "--config config.toml -o DIR"])
+
+
+def _flag_value(value: Any) -> str:
+    return ",".join(f"{number:.12g}" for number in value) if isinstance(value, list) else str(value)

@@ -38,7 +38,7 @@ class Scale:
 
     def plain(self, value: float) -> str:
         """Return a stated size [SI], such as a nominal diameter, without digits that were never stated."""
-        return f"{round(value * self.factor, 4 + self.decimals):g}\u00a0{self.name}"
+        return f"{round(value * self.factor, 4 + min(self.decimals, 0)):g}\u00a0{self.name}"
 
     def limit(self, departures: np.ndarray) -> float:
         """Return a limit [SI], round in this unit, that all but the largest 0.2 % of the departures stay below."""
@@ -71,6 +71,8 @@ def make_scales(system: System) -> Scales:
 
     >>> make_scales("us").small.text(0.3, 1), make_scales("si").length.text(22.957, 2)
     ('11.811\\xa0in', '22.96\\xa0m')
+    >>> make_scales("us").small.plain(0.010), make_scales("si").small.plain(0.0085)
+    ('0.3937\\xa0in', '8.5\\xa0mm')
     """
 
     def scale(metric: str, per_si: float) -> Scale:
