@@ -121,3 +121,17 @@ def test_faults_are_one_message_and_exit_code_2(run, mine, tmp_path):
     mine.write_text(SCENARIO + CAMERA, encoding="utf-8")
     assert run(mine, "-o", tmp_path / "x.zarr", "--seed", 10**30)[0] == 2
     assert "Traceback" not in run(mine, "-o", mine / "x.zarr")[2]
+
+
+@pytest.mark.parametrize("interrupted", [True, False])
+def test_an_interrupt_within_a_kernel_is_an_interrupt(run, mine, tmp_path, monkeypatch, interrupted):
+    def stop(*words, **options):
+        raise SystemError("a result with an exception set") from (KeyboardInterrupt() if interrupted else KeyError())
+
+    monkeypatch.setattr("springline.simulate.simulate_to", stop)
+    if not interrupted:
+        with pytest.raises(SystemError):
+            run(mine, "-o", tmp_path / "x.zarr")
+        return
+    code, _, err = run(mine, "-o", tmp_path / "x.zarr")
+    assert (code, "stopped" in err, "Traceback" in err) == (130, True, False)
