@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from springline.cli import main
-from springline.io import read
+from springline.io import read, write
 from springline.simulate import Footage, scenarios
 from springline.survey import open_survey
 
@@ -102,6 +102,9 @@ def test_frames_lie_beside_the_survey_and_are_found_from_it(run, mine, tmp_path,
     lens = json.loads(survey.calibration.attrs["lens"])["camera"]
     assert lens["model"] == "sine"
     assert lens["k_px"] == pytest.approx(32.0 / np.sin(np.radians(50.0)))
+    write(survey, tmp_path / "elsewhere" / "copy")  # its list still leads to the pictures, which stay where they are
+    copied = read(tmp_path / "elsewhere" / "copy").frames
+    assert all(Path(copied.attrs["folder"], name).is_file() for name in copied["path"].values)
     assert "exists already" in run(mine, "-o", tmp_path / output)[2]
     assert run(mine, "-o", tmp_path / output, "--force")[0] == 0
     assert not [p for p in tmp_path.iterdir() if p.name.startswith(".")]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from math import degrees
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -15,8 +16,6 @@ from .calibration_file import write_calibration
 from .ring_csv import write_ring_csv
 
 if TYPE_CHECKING:
-    from pathlib import Path
-
     import xarray as xr
 
     from ..survey import Survey
@@ -97,10 +96,15 @@ def _ties(data: xr.Dataset, path: Path) -> None:
 
 def _frames(data: xr.Dataset, path: Path) -> None:
     columns = {f"{name}_{unit}": data[name].values for name, unit in (("time", "s"), ("distance", "m")) if name in data}
-    columns["file"] = data["path"].values
+    columns["file"] = np.array([_found(str(name), data.attrs.get("folder")) for name in data["path"].values])
     if "lens" in data:
         columns["lens"] = data["lens"].values
     _write(columns, path)
+
+
+def _found(name: str, folder: str | None) -> str:
+    """Return a frame's file as it stands beside this folder, or in full where it lies where the survey was read."""
+    return str(Path(folder, name)) if folder and Path(folder, name).is_file() else name
 
 
 def _write(columns: dict[str, np.ndarray], path: Path) -> None:
