@@ -43,6 +43,8 @@ class SensorConfig(_Settings):
     scale_sigma: ScaleSigma = ScaleSigma()
     range_noise: Annotated[float | None, Field(ge=0)] = None
     """One-sigma of a reading [m]; estimated from the rings when not given."""
+    counter_scale_sigma: Fraction = 0.005
+    """Relative one-sigma of the odometer or cable counter, where nothing measures it: 1 % read as a 95 % bound."""
 
 
 class RingsConfig(_Settings):

@@ -60,7 +60,8 @@ def estimate(survey: Survey, config: Config) -> Survey:
             if settings.method == "joint":
                 raise
             survey = add_warning(survey, f"Rings were taken one by one, as a joint estimate was not possible: {error}")
-    found = _alone(rings, fitted) if joint is None else _together(rings, fitted, joint)
+    counter = config.sensor.counter_scale_sigma
+    found = _alone(rings, fitted, counter) if joint is None else _together(rings, fitted, joint)
     found |= describe(rings, mask, fitted, found.pop("seen"))
     scattered = _scattered(rings, fitted)
     found["flags"] = {"inverted": found["inverted"], "unlike_neighbours": found["unlike"], "scattered": scattered}
@@ -73,7 +74,7 @@ def estimate(survey: Survey, config: Config) -> Survey:
     survey = _explain(survey, fitted.status, found["unlike"], scattered)
     if joint is None:
         pose = groups.pose_of_rings(rings, found)
-        return _explain_alone(survey).with_group("pose", pose).with_group("section", section)
+        return _explain_alone(survey, counter).with_group("pose", pose).with_group("section", section)
     survey = _explain_joint(survey, joint)
     survey = survey.with_group("pose", groups.pose_of_joint(joint)).with_group("section", section)
     return survey if "axis" in joint.why_missing else survey.with_group("layout", layout(survey, joint, _start(rings)))
@@ -120,10 +121,12 @@ def _start(rings: xr.Dataset) -> float:
     return float(rings["distance"].values[0]) + float(ahead)
 
 
-def _alone(rings: xr.Dataset, fitted: Fitted) -> dict:
-    """Return what the rings say one by one."""
+def _alone(rings: xr.Dataset, fitted: Fitted, counter: float) -> dict:
+    """Return what the rings say one by one; their chainage is as good as the counter's scale."""
     shape, covariance = fitted.parameters[:, 2:], fitted.covariance[:, 2:, 2:]
+    counted = rings.attrs.get("distance_source", "odometer") == "odometer"
     return {
+        **({"chainage_sigma": counter * np.abs(rings["distance"].values)} if counted else {}),
         "parameters": shape,
         "covariance": covariance,
         "centre_covariance": fitted.covariance[:, :2, :2],
@@ -217,7 +220,13 @@ def _explain(survey: Survey, status: np.ndarray, unlike: np.ndarray, scattered: 
     return survey
 
 
-def _explain_alone(survey: Survey) -> Survey:
+def _explain_alone(survey: Survey, counter: float) -> Survey:
+    if survey.rings.attrs.get("distance_source", "odometer") == "odometer":
+        survey = add_assumption(
+            survey,
+            "Chainage is what the counter read, from where it read zero; its scale is taken to be good to "
+            f"{100.0 * counter:.2g} % (one-sigma).",
+        )
     if survey.rings.attrs.get("referred_to") == "axis":
         return survey
     return add_assumption(
