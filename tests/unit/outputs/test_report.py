@@ -57,8 +57,20 @@ def test_headlines_state_value_interval_and_place(made):
     assert ovality.value == "4.12" and ovality.interval == "4.08 to 4.16 % (95 %)"
     assert deflection.value == "4.00" and deflection.chainage == pytest.approx(20.0, abs=0.02)
     assert loss.note == "Zero lies within the interval."
-    assert dent.value == "8.2" and "at 2:00" in dent.note
+    assert dent.value == "9.0" and dent.note.startswith("A dent at ")
     assert "1.50\u00a0m of 29.98\u00a0m unseen" in coverage.note
+
+
+def test_a_stray_reading_is_no_dent(survey):
+    section = survey.section.copy()
+    section["deviation_in"] = section["deviation_in"].copy()
+    section["deviation_in"][{"station": 5}] = -0.05
+    none = survey.features.isel(feature=[0])
+    *_, dent, _ = report_of(survey.corrected("section", section).corrected("features", none))[0].headlines
+    assert (dent.value, dent.note) == ("–", "None was found.")
+    sure = survey.features.assign(depth_sigma=("feature", [float("nan"), 0.0012]))
+    *_, dent, _ = report_of(survey.corrected("features", sure))[0].headlines
+    assert (dent.value, dent.interval) == ("9.0", "±\u00a02.4\u00a0mm (95\u00a0%)")
 
 
 def test_numbers_carry_two_digits_of_their_uncertainty():

@@ -6,10 +6,15 @@ from dataclasses import dataclass
 from math import isfinite
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from ...conventions import clock_from_bearing
 from ..results import worst_station
 from ..summary import summary
 from .texts import SIGMAS_95, clock_text, measured, number
+
+INWARD = ("dent", "deposit", "intrusion")
+"""Kinds of features that stand inward of the wall."""
 
 if TYPE_CHECKING:
     from ..results import Results
@@ -81,15 +86,21 @@ def _largest_of(results: Results, variable: str, label: str, otherwise: str) -> 
 
 
 def _deepest(results: Results, scales: Scales) -> Headline:
-    label, small = "Deepest local dent or deposit", scales.small
-    inward = -results.judged("deviation_in", "section")
-    at = worst_station(inward)
-    if at is None:
+    """Return the deepest feature that stands inward: single stray readings are none, however far off they lie."""
+    label, small = "Deepest dent or deposit", scales.small
+    if not results.survey.has("features"):
         return Headline(label, "–", small.name, note="Not assessed.")
-    clock = float(clock_from_bearing(results.station("section", "deviation_in_bearing")[at]))
-    where = f" at {clock_text(clock)}" if isfinite(clock) else ""
-    note = f"Inward of the fitted section{where}, averaged over 10° of arc."
-    return Headline(label, small.number(inward[at], 1), small.name, "", note, float(results.chainage[at]))
+    found = results.survey.features
+    inward = np.isin(found["kind"].values, INWARD) & (found["depth"].values < 0)
+    if not inward.any():
+        return Headline(label, "–", small.name, note="None was found.")
+    at = int(np.flatnonzero(inward)[np.argmin(found["depth"].values[inward])])
+    kind, chainage = str(found["kind"].values[at]), float(found["chainage"].values[at])
+    clock = float(clock_from_bearing(found["bearing"].values[at])) if "bearing" in found else float("nan")
+    half = SIGMAS_95 * float(found["depth_sigma"].values[at]) if "depth_sigma" in found else float("nan")
+    interval = f"±\u00a0{small.number(half, 1)}\u00a0{small.name} (95\u00a0%)" if isfinite(half) else ""
+    note = f"A {kind}" + (f" at {clock_text(clock)}" if isfinite(clock) else "") + ", inward of the pipe's section."
+    return Headline(label, small.number(-float(found["depth"].values[at]), 1), small.name, interval, note, chainage)
 
 
 def _seen(results: Results, scales: Scales) -> Headline:

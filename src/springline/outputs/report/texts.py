@@ -21,8 +21,12 @@ def measured(value: float, half: float, *, least: int = 0, most: int = 4) -> tup
 
 
 def number(value: float, decimals: int) -> str:
-    """Return a number as text; a dash when it is not available."""
-    return f"{value + 0.0:.{decimals}f}".replace("-", "−") if value is not None and isfinite(value) else "–"
+    """Return a number as text; a dash when it is not available, and no minus before nothing but zeros.
+
+    >>> number(-0.04, 1), number(-0.06, 1)
+    ('0.0', '−0.1')
+    """
+    return f"{value:z.{decimals}f}".replace("-", "−") if value is not None and isfinite(value) else "–"
 
 
 def clock_text(hours: float) -> str:
