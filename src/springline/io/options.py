@@ -66,6 +66,10 @@ class ReadOptions:
                 expected=f"metres, from {low:g} to {high:g}",
                 mend="check its unit: 300 mm is 0.3",
             )
+        if self.name is not None and not self.name.isprintable():
+            raise ParameterError(
+                f"{self.name!r} cannot stand in a report", where="name", expected="a name of printable characters"
+            )
         if self.axes is not None:
             parse_axes(self.axes)
         if self.intrinsics is not None:

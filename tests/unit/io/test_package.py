@@ -6,8 +6,8 @@ import sys
 import pytest
 
 import springline.io
-from springline.errors import InputError
-from springline.io.options import parse_intrinsics
+from springline.errors import InputError, ParameterError
+from springline.io.options import ReadOptions, parse_intrinsics
 from springline.io.registry import by_key
 from springline.io.units import length
 
@@ -57,3 +57,9 @@ def test_lengths(text, metres):
 def test_no_lengths(text):
     with pytest.raises(InputError, match="is not a length"):
         length(text, where="a")
+
+
+@pytest.mark.parametrize("name", ["two\nlines", "bell\a", "null\0"])
+def test_a_name_that_cannot_be_printed_is_refused(name):
+    with pytest.raises(ParameterError, match="name: .* cannot stand in a report"):
+        ReadOptions(name=name)
