@@ -61,5 +61,5 @@ def test_no_lengths(text):
 
 @pytest.mark.parametrize("name", ["two\nlines", "bell\a", "null\0"])
 def test_a_name_that_cannot_be_printed_is_refused(name):
-    with pytest.raises(ParameterError, match="name: .* cannot stand in a report"):
+    with pytest.raises(ParameterError, match=r"name: .* cannot stand in a report"):
         ReadOptions(name=name)
