@@ -20,7 +20,7 @@ def severities(draw):
     s01 = 1.0
     if mode == 5:
         low = float(s1_limits(4, s02, rule=rule)[0])
-        s01 = low + draw(FRACTION) * (s02 - low)
+        s01 = min(low + draw(FRACTION) * (s02 - low), s02)
     low, high = (float(x) for x in s1_limits(mode, s02, s01, rule=rule))
     low = max(low, 0.05)
     assume(low <= high)
