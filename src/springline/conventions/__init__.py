@@ -25,7 +25,8 @@ from __future__ import annotations
 
 from .flags import FIT_STATUS, MASK_REASONS, NOT_SPEAKING, ROOT_ATTRIBUTES, SENSOR_KINDS, STATION_FLAGS, flagged
 from .frame import BEARING_SENSES, BEARING_ZEROS, CROWN, bearing_from_clock, clock_from_bearing
-from .groups import CALIBRATION_TERMS, GROUPS, POSE_TERMS, SECTION_PARAMETERS, SOURCE_GROUPS, Group, Variable
+from .group import Group, Variable
+from .groups import CALIBRATION_TERMS, GROUPS, POSE_TERMS, SECTION_PARAMETERS, SOURCE_GROUPS
 from .tables import FEATURE_COLUMNS, STATION_COLUMNS, SURVEY_FOLDER_KEYS, SURVEY_SENSOR_KEYS, Column
 
 __all__ = [
