@@ -6,7 +6,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..errors import FormatError, InputError, nearest
+from ..errors import InputError
+from .named_columns import Rows, check_columns, read_named
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -27,33 +28,20 @@ def read_lens_table(path: Path, columns: tuple[str, ...]) -> dict[str, NDArray]:
         InputError: The file or a column is missing or unknown, or a cell is no number; row and column named.
         FormatError: It is not a text table.
     """
-    import pandas as pd
+    header, rows = read_named(path)
+    check_columns(header, columns, columns, path)
+    return {
+        name: np.array([cells[name] for _, cells in rows]) if name == "joint" else _numbers(rows, name, path)
+        for name in columns
+    }
 
-    if not path.is_file():
-        raise InputError("no such file", where=path)
+
+def _numbers(rows: Rows, name: str, path: Path) -> NDArray[np.float64]:
+    return np.array([_number(cells[name], f"{path}, row {number}, column {name}") for number, cells in rows])
+
+
+def _number(cell: str, where: str) -> float:
     try:
-        table = pd.read_csv(path, dtype=str, keep_default_na=False, skipinitialspace=True, encoding="utf-8-sig")
-    except (pd.errors.ParserError, pd.errors.EmptyDataError, UnicodeDecodeError) as error:
-        raise FormatError(f"it is not a text table: {error}", where=path, expected=", ".join(columns)) from None
-    names = [str(name).strip() for name in table.columns]
-    for name in columns:
-        if name not in names:
-            raise InputError(f"the column '{name}' is missing", where=path, expected=", ".join(columns))
-    for name in names:
-        if name not in columns:
-            raise InputError(f"unknown column '{name}'{nearest(name, columns)}", where=path)
-    table.columns = names
-    return {name: table[name].to_numpy() if name == "joint" else _numbers(table[name], name, path) for name in columns}
-
-
-def _numbers(cells, name: str, path: Path) -> NDArray[np.float64]:
-    import pandas as pd
-
-    text = cells.str.strip()
-    values = pd.to_numeric(text, errors="coerce").to_numpy(np.float64)
-    wrong = np.flatnonzero(np.isnan(values) & ~text.str.lower().isin(["", "nan"]).to_numpy())
-    if wrong.size:
-        raise InputError(
-            f"the cell '{cells.iloc[wrong[0]]}' is not a number", where=f"{path}, row {wrong[0] + 2}, column {name}"
-        )
-    return values
+        return float(cell) if cell else float("nan")
+    except ValueError:
+        raise InputError(f"the cell '{cell}' is not a number", where=where) from None

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import csv
 from dataclasses import dataclass
 from pathlib import Path
 
-from ..errors import FormatError, InputError, nearest
+from ..errors import InputError
+from .named_columns import Rows, check_columns, read_named
 from .units import METRES
 
 _DIAMETERS = {f"diameter_{unit}": factor for unit, factor in METRES.items()}
@@ -31,12 +31,11 @@ def read_results(path: Path) -> list[StudyResult]:
         InputError: A column or a cell is wrong or missing; row and column named.
         FormatError: It is not a text table.
     """
-    rows = _rows(path)
-    header = rows[0]
+    header, rows = _rows(path)
     column = _quantity(header, path, ("scan",))
-    _columns(header, ("laboratory",), ("material",), path)
+    check_columns(header, ("laboratory",), ("laboratory", "material", *_DIAMETERS, "scan"), path)
     found = []
-    for number, cells in rows[1:]:
+    for number, cells in rows:
         where = f"{path}, row {number}"
         laboratory, material = cells["laboratory"], cells.get("material", "reference")
         for name, cell in (("laboratory", laboratory), ("material", material), (column, cells[column])):
@@ -57,34 +56,21 @@ def read_references(path: Path) -> dict[str, list[float]]:
         InputError: A column or a cell is wrong or missing; row and column named.
         FormatError: It is not a text table.
     """
-    rows = _rows(path)
-    column = _quantity(rows[0], path, ())
-    _columns(rows[0], ("material",), (), path)
+    header, rows = _rows(path)
+    column = _quantity(header, path, ())
+    check_columns(header, ("material",), ("material", *_DIAMETERS), path)
     found: dict[str, list[float]] = {}
-    for number, cells in rows[1:]:
+    for number, cells in rows:
         value = _number(cells[column], f"{path}, row {number}, column {column}") * _DIAMETERS[column]
         found.setdefault(cells["material"], []).append(value)
     return found
 
 
-def _rows(path: Path) -> list:
-    """Return the header, then row numbers with cells by column."""
-    if not path.is_file():
-        raise InputError("no such file", where=path, mend="check the path")
-    try:
-        with path.open(newline="", encoding="utf-8-sig") as stream:
-            rows = list(csv.reader(stream))
-    except (UnicodeDecodeError, csv.Error) as error:
-        raise FormatError(f"it is not a text table: {error}", where=path) from None
-    if len(rows) < 2:
+def _rows(path: Path) -> tuple[list[str], Rows]:
+    header, rows = read_named(path)
+    if not rows:
         raise InputError("there is no row in it", where=path, expected="a header and at least one row")
-    header = [cell.strip() for cell in rows[0]]
-    body = [
-        (number, {name: cell.strip() for name, cell in zip(header, [*row, *[""] * len(header)], strict=False)})
-        for number, row in enumerate(rows[1:], 2)
-        if any(cell.strip() for cell in row)
-    ]
-    return [header, *body]
+    return header, rows
 
 
 def _quantity(header: list[str], path: Path, others: tuple[str, ...]) -> str:
@@ -96,16 +82,6 @@ def _quantity(header: list[str], path: Path, others: tuple[str, ...]) -> str:
             expected=f"one of {', '.join([*_DIAMETERS, *others])}",
         )
     return found[0]
-
-
-def _columns(header: list[str], needed: tuple[str, ...], optional: tuple[str, ...], path: Path) -> None:
-    known = (*needed, *optional, *_DIAMETERS, "scan")
-    for name in needed:
-        if name not in header:
-            raise InputError(f"the column '{name}' is missing", where=path)
-    for name in header:
-        if name not in known:
-            raise InputError(f"unknown column '{name}'{nearest(name, known)}", where=path)
 
 
 def _number(cell: str, where: str) -> float:

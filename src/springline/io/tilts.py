@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import csv
 from math import radians
 from typing import TYPE_CHECKING
 
-from ..errors import FormatError, InputError, nearest
+from ..errors import InputError, nearest
+from .named_columns import check_columns, read_named
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -30,26 +30,11 @@ def read_tilts(path: Path, scans: Iterable[str]) -> dict[str, tuple[float, float
         FormatError: It is not a text table.
     """
     names = {name.split(".")[0]: name for name in scans} | {name: name for name in scans}
-    if not path.is_file():
-        raise InputError("no such file", where=path, mend="check the path given to --tilts")
-    try:
-        with path.open(newline="", encoding="utf-8-sig") as stream:
-            rows = list(csv.reader(stream))
-    except (UnicodeDecodeError, csv.Error) as error:
-        raise FormatError(f"it is not a text table: {error}", where=path) from None
-    header = [cell.strip() for cell in rows[0]] if rows else []
-    for name in _COLUMNS[:3]:
-        if name not in header:
-            raise InputError(f"the column '{name}' is missing", where=path, expected=", ".join(_COLUMNS))
-    for name in header:
-        if name not in _COLUMNS:
-            raise InputError(f"unknown column '{name}'{nearest(name, _COLUMNS)}", where=path)
+    header, rows = read_named(path, mend="check the path given to --tilts")
+    check_columns(header, _COLUMNS[:3], _COLUMNS, path)
     found: dict[str, tuple[float, float, float]] = {}
-    for number, row in enumerate(rows[1:], 2):
-        if not any(cell.strip() for cell in row):
-            continue
-        cells = dict(zip(header, [*row, *[""] * len(header)], strict=False))
-        scan = cells["scan"].strip()
+    for number, cells in rows:
+        scan = cells["scan"]
         where = f"{path}, row {number}"
         if scan not in names:
             raise InputError(f"'{scan}' is none of the scans{nearest(scan, names)}", where=f"{where}, column scan")
