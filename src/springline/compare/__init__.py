@@ -5,11 +5,9 @@ The model is in docs/compare.md. Once imported, the package is callable: `spring
 
 from __future__ import annotations
 
-import sys
-from importlib import import_module
-from types import ModuleType
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
+from ..lazy import call_as, lazy_names
 from .features import KINDS, FeatureList, feature_list
 from .match import match, match_any
 from .options import MatchOptions
@@ -62,17 +60,5 @@ __all__ = [
 ]
 
 
-def __getattr__(name: str) -> Any:
-    if name in _HOMES:
-        return getattr(import_module(f".{_HOMES[name]}", __name__), name)
-    raise AttributeError(f"module '{__name__}' has no attribute '{name}'")
-
-
-class _Callable(ModuleType):
-    """This package, callable: once imported, it stands in `springline` under the promised function's own name."""
-
-    def __call__(self, *args: Any, **options: Any) -> Any:
-        return __getattr__("compare")(*args, **options)
-
-
-sys.modules[__name__].__class__ = _Callable
+__getattr__ = lazy_names(__name__, _HOMES)
+call_as(__name__, "compare")

@@ -7,10 +7,9 @@ spoil them. What was true goes into `/truth`, which no stage reads.
 
 from __future__ import annotations
 
-import sys
-from importlib import import_module
-from types import ModuleType
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
+
+from ..lazy import call_as, lazy_names
 
 if TYPE_CHECKING:
     from .camera import Footage
@@ -31,19 +30,5 @@ _HOMES = {
 __all__ = ["Footage", "Scenario", "load", "parse", "scenarios", "simulate", "simulate_to"]
 
 
-def __getattr__(name: str) -> Any:
-    if name in _HOMES:
-        value = getattr(import_module(f".{_HOMES[name]}", __name__), name)
-        globals()[name] = value
-        return value
-    raise AttributeError(f"module '{__name__}' has no attribute '{name}'")
-
-
-class _Callable(ModuleType):
-    """This package, callable: once imported, it stands in `springline` under the promised function's own name."""
-
-    def __call__(self, *args: Any, **options: Any) -> Any:
-        return __getattr__("simulate")(*args, **options)
-
-
-sys.modules[__name__].__class__ = _Callable
+__getattr__ = lazy_names(__name__, _HOMES)
+call_as(__name__, "simulate")
