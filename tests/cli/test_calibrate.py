@@ -2,32 +2,18 @@
 
 import csv
 import json
-import sys
 import tomllib
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from springline.cli import main
 from springline.simulate.attitude import in_pipe
+
+from .command_line import run
 
 TILTS = [(0, 0), (0, 0), (20, 0), (-20, 0), (0, 20), (0, -20)]
 BEARINGS = np.arange(180) * 2 * np.pi / 180
-
-
-@pytest.fixture
-def run(monkeypatch, capsys):
-    """Return a function that runs the command line and returns its exit code, stdout and stderr."""
-
-    def call(*words: object) -> tuple[int, str, str]:
-        monkeypatch.setattr(sys, "argv", ["springline", *map(str, words)])
-        with pytest.raises(SystemExit) as stop:
-            main()
-        out, err = capsys.readouterr()
-        return int(stop.value.code or 0), out, err
-
-    return call
 
 
 @pytest.fixture(scope="module")
@@ -58,7 +44,7 @@ def write_rings(path: Path, rings: np.ndarray) -> None:
 BEARING = ("--bearing-zero", "right", "--bearing-sense", "ccw")
 
 
-def test_a_calibration_is_found_written_and_used(run, folder, tmp_path):
+def test_a_calibration_is_found_written_and_used(folder, tmp_path):
     scans = sorted(folder.glob("ring-*.csv"))
     file = tmp_path / "c.toml"
     code, out, err = run("calibrate", "ring", *scans, "--diameter", "300mm", "--sigma", "0.03mm", "--tilts",
@@ -82,7 +68,7 @@ def summary(run, scan, output, *more):
     return json.loads(out)
 
 
-def test_without_tilts_boresight_is_said_to_be_unobservable(run, folder, tmp_path):
+def test_without_tilts_boresight_is_said_to_be_unobservable(folder, tmp_path):
     code, out, err = run("calibrate", "ring", folder / "ring-0.csv", folder / "ring-1.csv", "--diameter", "300mm",
                          "-o", tmp_path / "c.zarr.zip", *BEARING)  # fmt: skip
     assert code == 0
@@ -105,7 +91,7 @@ def test_without_tilts_boresight_is_said_to_be_unobservable(run, folder, tmp_pat
         ("scan,pitch_deg,yaw_deg\n", "there is no tilt for it"),
     ],
 )
-def test_a_wrong_table_of_tilts_is_refused_by_row_and_column(table, message, run, folder, tmp_path):
+def test_a_wrong_table_of_tilts_is_refused_by_row_and_column(table, message, folder, tmp_path):
     (tmp_path / "t.csv").write_text(table)
     code, _, err = run("calibrate", "ring", folder / "ring-0.csv", "--diameter", "300mm", "--tilts", tmp_path / "t.csv",
                        "-o", tmp_path / "c.toml", *BEARING)  # fmt: skip
@@ -113,7 +99,7 @@ def test_a_wrong_table_of_tilts_is_refused_by_row_and_column(table, message, run
     assert not (tmp_path / "c.toml").exists()
 
 
-def test_an_existing_file_is_kept_and_a_bad_calibration_refused(run, folder, tmp_path):
+def test_an_existing_file_is_kept_and_a_bad_calibration_refused(folder, tmp_path):
     (tmp_path / "c.toml").write_text("range_scale = 1.0\n")
     code, _, err = run(
         "calibrate", "ring", folder / "ring-0.csv", "--diameter", "300mm", "-o", tmp_path / "c.toml", *BEARING
@@ -135,7 +121,7 @@ c,ring,300.1
 MEASURES = tuple(word for value in ("300.1mm", "299.9mm", "300.0mm", "300.1mm") for word in ("--reference", value))
 
 
-def test_a_study_of_results_is_written_as_tables_and_a_page(run, tmp_path):
+def test_a_study_of_results_is_written_as_tables_and_a_page(tmp_path):
     (tmp_path / "results.csv").write_text(RESULTS)
     code, out, err = run("calibrate", "study", tmp_path / "results.csv", *MEASURES, "-o", tmp_path / "study")
     assert (code, err) == (0, "")
@@ -152,7 +138,7 @@ def test_a_study_of_results_is_written_as_tables_and_a_page(run, tmp_path):
     assert code == 2 and "exists already" in err
 
 
-def test_a_study_reads_scans_and_fails_a_check_that_is_asked_for(run, folder, tmp_path):
+def test_a_study_reads_scans_and_fails_a_check_that_is_asked_for(folder, tmp_path):
     rows = ["laboratory,scan"]
     for k in range(4):
         # The same reference, inspected again and again by a scanner that reads 0.5 % too long.
@@ -180,13 +166,13 @@ def test_a_study_reads_scans_and_fails_a_check_that_is_asked_for(run, folder, tm
         ("laboratory,diameter_mm\n", "there is no row in it"),
     ],
 )
-def test_a_wrong_table_of_results_is_refused(table, message, run, tmp_path):
+def test_a_wrong_table_of_results_is_refused(table, message, tmp_path):
     (tmp_path / "t.csv").write_text(table)
     code, _, err = run("calibrate", "study", tmp_path / "t.csv", "-o", tmp_path / "study")
     assert code == 2 and message in err
 
 
-def test_references_stand_in_a_table_of_their_own(run, tmp_path):
+def test_references_stand_in_a_table_of_their_own(tmp_path):
     (tmp_path / "results.csv").write_text(RESULTS)
     (tmp_path / "r.csv").write_text("material,diameter_in\n" + "ring,11.811\n" * 4)
     code, out, _ = run("calibrate", "study", tmp_path / "results.csv", "--references", tmp_path / "r.csv", "-o",

@@ -1,26 +1,14 @@
 """`springline calibrate lens` from tables; what is no lens is refused, and nothing is left behind."""
 
-import sys
 import tomllib
+from functools import partial
 
 import numpy as np
 import pytest
 
-from springline.cli import main
+from . import command_line
 
-
-@pytest.fixture
-def run(monkeypatch, capsys):
-    """Return a function that runs the command line and returns its exit code, stdout and stderr."""
-
-    def call(*words: object) -> tuple[int, str, str]:
-        monkeypatch.setattr(sys, "argv", ["springline", "calibrate", "lens", *map(str, words)])
-        with pytest.raises(SystemExit) as stop:
-            main()
-        out, err = capsys.readouterr()
-        return int(stop.value.code or 0), out, err
-
-    return call
+run = partial(command_line.run, "calibrate", "lens")
 
 
 @pytest.fixture
@@ -33,7 +21,7 @@ def pairs(tmp_path):
     return path
 
 
-def test_pairs_become_a_lens_that_a_survey_can_hold(run, pairs, tmp_path):
+def test_pairs_become_a_lens_that_a_survey_can_hold(pairs, tmp_path):
     code, out, _ = run(pairs, "--size", "1280x960", "-o", tmp_path / "lens.toml", "--name", "front")
     assert code == 0 and "equisolid" in out
     lens = tomllib.loads((tmp_path / "lens.toml").read_text())["lens"]["front"]
@@ -42,7 +30,7 @@ def test_pairs_become_a_lens_that_a_survey_can_hold(run, pairs, tmp_path):
     assert (lens["width_px"], lens["height_px"]) == (1280, 960)
 
 
-def test_joints_become_a_lens(run, tmp_path):
+def test_joints_become_a_lens(tmp_path):
     path, rng = tmp_path / "joints.csv", np.random.default_rng(2)
     rows = [
         f"{name},{s:.3f},{400.0 * np.arctan(0.15 / (at - s)) + rng.normal(0, 0.3):.3f}\n"
@@ -70,7 +58,7 @@ def test_joints_become_a_lens(run, tmp_path):
         ("zenith_deg,radius_px\n1,2\n", ("--board", "9x6"), "the side of a square is missing"),
     ],
 )
-def test_what_cannot_be_used_is_refused_and_leaves_nothing(run, tmp_path, text, words, said):
+def test_what_cannot_be_used_is_refused_and_leaves_nothing(tmp_path, text, words, said):
     path = tmp_path / "table.csv"
     path.write_text(text)
     code, _, err = run(path, *words, "-o", tmp_path / "lens.toml")

@@ -12,23 +12,10 @@ import numpy as np
 import pytest
 
 import springline as sl
-from springline.cli import main
+
+from .command_line import run
 
 WIDE = "distance_m,r_0_mm,r_1_mm,r_2_mm,r_3_mm\n0,150,151,152,153\n1,150,151,152,153\n"
-
-
-@pytest.fixture
-def run(monkeypatch, capsys):
-    """Return a function that runs the command line and returns its exit code, stdout and stderr."""
-
-    def call(*words: object) -> tuple[int, str, str]:
-        monkeypatch.setattr(sys, "argv", ["springline", *map(str, words)])
-        with pytest.raises(SystemExit) as stop:
-            main()
-        out, err = capsys.readouterr()
-        return int(stop.value.code or 0), out, err
-
-    return call
 
 
 @pytest.fixture
@@ -39,7 +26,7 @@ def table(tmp_path) -> Path:
     return path
 
 
-def test_convert_and_what_it_tells(run, table, tmp_path):
+def test_convert_and_what_it_tells(table, tmp_path):
     code, out, err = run("convert", table, tmp_path / "a.zarr.zip", "--bearing-zero", "crown", "--bearing-sense", "cw",
                          "--nominal", "12in", "--name", "MH 1", "--sensor", "ring-laser")  # fmt: skip
     assert (code, err) == (0, "")
@@ -55,7 +42,7 @@ def test_convert_and_what_it_tells(run, table, tmp_path):
     assert "which ring a point belongs to" in err
 
 
-def test_json(run, table, tmp_path):
+def test_json(table, tmp_path):
     code, out, err = run("convert", table, tmp_path / "a", "--json")
     record = json.loads(out)
     assert (code, err, record["format"]) == (0, "", "folder")
@@ -64,17 +51,17 @@ def test_json(run, table, tmp_path):
     assert sorted(p.name for p in (tmp_path / "a").iterdir()) == ["rings.csv", "survey.toml"]
 
 
-def test_axes_may_begin_with_a_minus(run, tmp_path):
+def test_axes_may_begin_with_a_minus(tmp_path):
     np.save(tmp_path / "a.npy", np.random.default_rng(0).normal(0, 0.1, (50, 3)))
     assert run("convert", tmp_path / "a.npy", tmp_path / "a.ply", "--axes", "-z,y,x", "--unit", "m")[0] == 0
 
 
-def test_to_overrules_the_extension(run, table, tmp_path):
+def test_to_overrules_the_extension(table, tmp_path):
     assert run("convert", table, tmp_path / "odd.name", "--to", "csv")[0] == 0
     assert (tmp_path / "odd.name").read_text().startswith("distance_m,r_0,r_1")
 
 
-def test_an_output_that_exists(run, table, tmp_path):
+def test_an_output_that_exists(table, tmp_path):
     (tmp_path / "a.csv").write_text("mine")
     code, _, err = run("convert", table, tmp_path / "a.csv")
     assert (code, (tmp_path / "a.csv").read_text()) == (2, "mine")
@@ -123,7 +110,7 @@ def bad_inputs(folder: Path) -> dict[str, tuple[Path, tuple[str, ...]]]:
     return made
 
 
-def test_bad_input_is_exit_code_2_with_one_message_and_nothing_written(run, tmp_path):
+def test_bad_input_is_exit_code_2_with_one_message_and_nothing_written(tmp_path):
     sources, target = tmp_path / "in", tmp_path / "out"
     sources.mkdir()
     target.mkdir()
@@ -137,7 +124,7 @@ def test_bad_input_is_exit_code_2_with_one_message_and_nothing_written(run, tmp_
         assert list(target.iterdir()) == [], name
 
 
-def test_the_cell_is_named(run, tmp_path):
+def test_the_cell_is_named(tmp_path):
     (tmp_path / "a.csv").write_text(WIDE.replace("152,153\n1", "l52,153\n1"))
     _, _, err = run("convert", tmp_path / "a.csv", tmp_path / "b.zarr")
     assert err == (
@@ -183,7 +170,7 @@ def test_as_a_module(tmp_path):
     assert done.stderr == f"springline: {tmp_path / 'a.ply'}: no such file. Check the path\n"
 
 
-def test_help_has_examples(run):
+def test_help_has_examples():
     code, out, _ = run("convert", "--help")
     assert code == 0
     assert "springline convert scan.laz" in out

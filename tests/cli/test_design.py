@@ -2,33 +2,19 @@
 
 import csv
 import json
-import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 import springline as sl
-from springline.cli import main
+
+from .command_line import run
 
 NUMBERS = ("--diameter", "48in", "--ovality", "2%", "--modulus", "125000psi", "--pressure", "5.2psi",
            "--safety", "2", "--strength", "4500psi")  # fmt: skip
 LINER = ("--modulus", "1700MPa", "--strength", "31MPa", "--pressure", "36kPa")
 INCH = 25.4
-
-
-@pytest.fixture
-def run(monkeypatch, capsys):
-    """Return a function that runs the command line and returns its exit code, stdout and stderr."""
-
-    def call(*words: object) -> tuple[int, str, str]:
-        monkeypatch.setattr(sys, "argv", ["springline", *map(str, words)])
-        with pytest.raises(SystemExit) as stop:
-            main()
-        out, err = capsys.readouterr()
-        return int(stop.value.code or 0), out, err
-
-    return call
 
 
 @pytest.fixture(scope="module")
@@ -64,7 +50,7 @@ def x1_1(diameter, ovality, modulus, pressure, safety=2.0, k=7.0, nu=0.3):
     return diameter / (1 + (2 * k * modulus * c / (pressure * safety * (1 - nu**2))) ** (1 / 3))
 
 
-def test_worked_example(run):
+def test_worked_example():
     code, out, err = run("design", *NUMBERS)
     assert (code, err) == (0, "")
     assert "0.878 in)   governs" in out
@@ -79,14 +65,14 @@ def test_worked_example(run):
     assert found["inputs"]["water_pressure"] == pytest.approx(35852.7, abs=0.1)
 
 
-def test_si_gives_the_same(run):
+def test_si_gives_the_same():
     si = ("--diameter", "1219.2mm", "--ovality", "2%", "--modulus", "861.844662MPa", "--pressure", "35.852738kPa",
           "--strength", "31.0264078MPa")  # fmt: skip
     one, two = (json.loads(run("design", *words, "--json")[1]) for words in (NUMBERS, si))
     assert two["checks_mm"] == pytest.approx(one["checks_mm"], abs=2e-4)
 
 
-def test_sigma_and_the_next_thickness_for_its_bound(run):
+def test_sigma_and_the_next_thickness_for_its_bound():
     sigmas = ("--diameter-sigma", "1in", "--ovality-sigma", "1%", "--step", "1mm")
     found = json.loads(run("design", *NUMBERS, *sigmas, "--json")[1])
     d, q, step = 48 * INCH, 0.02, 1e-5
@@ -103,7 +89,7 @@ def test_sigma_and_the_next_thickness_for_its_bound(run):
     assert "next made, 95 %" in run("design", *NUMBERS, *sigmas)[1]
 
 
-def test_fully_deteriorated_and_its_edition(run):
+def test_fully_deteriorated_and_its_edition():
     soil = ("--condition", "fully", "--soil-modulus", "1000psi", "--cover", "10ft", "--water", "6ft", "--unit-weight",
             "120pcf")  # fmt: skip
     new, old = (
@@ -120,7 +106,7 @@ def test_fully_deteriorated_and_its_edition(run):
     )
 
 
-def test_glock_pressure_pipe_and_no_ratio_limit(run):
+def test_glock_pressure_pipe_and_no_ratio_limit():
     found = json.loads(run("design", *NUMBERS, "--method", "glock", "--gap", "2mm", "--ratio-limit", "0", "--json")[1])
     assert set(found["checks_mm"]) == {"Glock", "X1.2"}
     assert found["inputs"]["ratio_limit"] is None
@@ -129,14 +115,14 @@ def test_glock_pressure_pipe_and_no_ratio_limit(run):
     assert "X1.6" in found["checks_mm"]
 
 
-def test_what_the_rule_warns_of(run):
+def test_what_the_rule_warns_of():
     code, _, err = run("design", *NUMBERS[:3], "12%", *NUMBERS[4:], "--enhancement", "5")
     assert code == 0
     assert "warning: the ovality exceeds 10 %" in err
     assert "K is below 7" in err
 
 
-def test_numbers_are_written_whole(run, tmp_path):
+def test_numbers_are_written_whole(tmp_path):
     out = tmp_path / "liner"
     code, text, _ = run("design", *NUMBERS, "-o", out)
     assert code == 0
@@ -151,7 +137,7 @@ def test_numbers_are_written_whole(run, tmp_path):
     assert (out / "mine.txt").exists()
 
 
-def test_along_an_inspected_pipe(run, inspected, tmp_path):
+def test_along_an_inspected_pipe(inspected, tmp_path):
     out = tmp_path / "lined"
     code, text, err = run("design", inspected, "-o", out, *LINER, "--sizes", "7.5mm,4.5mm,6mm")
     assert code == 0, err
@@ -184,7 +170,7 @@ def test_along_an_inspected_pipe(run, inspected, tmp_path):
     assert sum(found["governs"].values()) == pytest.approx(1.0, abs=1e-3)
 
 
-def test_the_design_stands_in_the_survey_and_is_made_anew(run, inspected, tmp_path):
+def test_the_design_stands_in_the_survey_and_is_made_anew(inspected, tmp_path):
     first, second = tmp_path / "first", tmp_path / "second"
     assert run("design", inspected, "-o", first, *LINER)[0] == 0
     assert run("design", first / "survey.zarr.zip", "-o", second, *LINER, "--mean", "area", "--method", "glock")[0] == 0
@@ -230,7 +216,7 @@ def test_stations_unlike_their_neighbours_do_not_govern(inspected, tmp_path):
         (("--condition", "fully"), "--soil-modulus, --cover, --unit-weight not given"),
     ],
 )
-def test_a_wrong_number_is_explained(run, words, message):
+def test_a_wrong_number_is_explained(words, message):
     numbers = list(NUMBERS)
     if words[0] in numbers:
         at = numbers.index(words[0])
@@ -242,14 +228,14 @@ def test_a_wrong_number_is_explained(run, words, message):
 
 
 @pytest.mark.parametrize("flag", ["--diameter", "--ovality", "--modulus", "--pressure", "--strength"])
-def test_a_missing_number_is_named(run, flag):
+def test_a_missing_number_is_named(flag):
     at = NUMBERS.index(flag)
     code, _, err = run("design", *NUMBERS[:at], *NUMBERS[at + 2 :])
     assert code == 2
     assert f"{flag}: not given" in err
 
 
-def test_a_wrong_source_is_explained(run, inspected, tmp_path):
+def test_a_wrong_source_is_explained(inspected, tmp_path):
     source = sl.builtin_survey()
     for words, message in (
         ((tmp_path / "none", "-o", tmp_path / "x"), "no such file or folder"),
@@ -265,7 +251,7 @@ def test_a_wrong_source_is_explained(run, inspected, tmp_path):
     assert not (tmp_path / "x").exists()
 
 
-def test_help_is_quick_and_lists_it(run):
+def test_help_is_quick_and_lists_it():
     code, out, _ = run("--help")
     assert code == 0
     assert "Size a liner" in out

@@ -3,36 +3,30 @@
 from __future__ import annotations
 
 import json
-import sys
 from importlib import import_module
 
 import pytest
 
-from springline.cli import main
 from springline.io.registry import FORMATS
 from springline.outputs.exchange import EXPORTS
 
-
-@pytest.fixture
-def formats(monkeypatch, capsys):
-    def call(*words: str) -> str:
-        monkeypatch.setattr(sys, "argv", ["springline", "formats", *words])
-        with pytest.raises(SystemExit) as stop:
-            main()
-        assert not stop.value.code
-        return capsys.readouterr().out
-
-    return call
+from .command_line import run
 
 
-def test_table(formats, monkeypatch):
+def formats(*words: str) -> str:
+    done = run("formats", *words)
+    assert done.returncode == 0
+    return done.stdout
+
+
+def test_table(monkeypatch):
     monkeypatch.setenv("COLUMNS", "160")
     out = formats()
     for name in (*FORMATS, *EXPORTS):
         assert f" {name} " in out
 
 
-def test_json_and_a_missing_extra(formats, monkeypatch):
+def test_json_and_a_missing_extra(monkeypatch):
     records = {r["format"]: r for r in json.loads(formats("--json"))}
     assert list(records) == [*FORMATS, *(name for name in EXPORTS if name not in FORMATS)]
     own = {"ply", "las", "csv", "parquet", "folder", "zarr"}

@@ -1,12 +1,9 @@
 """`springline inspect` and `demo`, as a user meets them: results, exit codes, messages, nothing half-written."""
 
-import contextlib
-import io
 import json
 import shutil
 import subprocess
 import sys
-from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -14,9 +11,10 @@ import pandas as pd
 import pytest
 
 import springline as sl
-from springline.cli import main
 from springline.conventions import STATION_COLUMNS
 from springline.survey import open_survey
+
+from .command_line import run
 
 FILES = {
     "summary.json",
@@ -30,30 +28,6 @@ FILES = {
     "pipe.glb",
     "config.toml",
 }
-
-
-@dataclass
-class Done:
-    returncode: int
-    stdout: str
-    stderr: str
-
-
-def run(*words, cwd=None):
-    """Run the command line in this process, as `springline WORDS`."""
-    out, err, code = io.StringIO(), io.StringIO(), 0
-    with (
-        contextlib.redirect_stdout(out),
-        contextlib.redirect_stderr(err),
-        contextlib.chdir(cwd or "."),
-        pytest.MonkeyPatch.context() as patch,
-    ):
-        patch.setattr(sys, "argv", ["springline", *map(str, words)])
-        try:
-            main()
-        except SystemExit as stop:
-            code = stop.code or 0
-    return Done(code, out.getvalue(), err.getvalue())
 
 
 def rings_csv(path, radius_mm=150.0, rings=40, header_unit="_mm", spoil=None):

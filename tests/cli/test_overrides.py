@@ -11,7 +11,7 @@ import pytest
 
 import springline as sl
 
-from .test_inspect import run
+from .command_line import run
 
 SIGNED = 'author = "A. <b>Surveyor</b>"\ndate = 2026-05-04\nreason = "=roots \\" & co"\n'
 OVERRIDES = (

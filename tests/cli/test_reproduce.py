@@ -3,27 +3,16 @@
 from __future__ import annotations
 
 import re
-import sys
+from functools import partial
 
-import pytest
-
-from springline.cli import main
 from springline.reproduce.figures import MAKERS
 
+from . import command_line
 
-@pytest.fixture
-def reproduce(monkeypatch, capsys):
-    def call(*words: str) -> tuple[int, str, str]:
-        monkeypatch.setattr(sys, "argv", ["springline", "reproduce", *words])
-        with pytest.raises(SystemExit) as stop:
-            main()
-        out, err = capsys.readouterr()
-        return stop.value.code or 0, out, err
-
-    return call
+reproduce = partial(command_line.run, "reproduce")
 
 
-def test_tables_are_told_cell_by_cell(reproduce):
+def test_tables_are_told_cell_by_cell():
     code, out, _ = reproduce("tables")
     assert code == 0
     for line in (
@@ -40,7 +29,7 @@ def test_tables_are_told_cell_by_cell(reproduce):
     assert "Figure" not in out
 
 
-def test_everything_goes_onto_one_page(reproduce, tmp_path):
+def test_everything_goes_onto_one_page(tmp_path):
     folder = tmp_path / "gallery"
     code, out, _ = reproduce("-o", str(folder))
     assert code == 0
@@ -63,7 +52,7 @@ def test_everything_goes_onto_one_page(reproduce, tmp_path):
     assert [p.name for p in folder.iterdir()] == ["index.html"]
 
 
-def test_a_folder_of_something_else_is_not_thrown_away(reproduce, tmp_path):
+def test_a_folder_of_something_else_is_not_thrown_away(tmp_path):
     (tmp_path / "thesis.txt").write_text("mine")
     code, _, err = reproduce("tables", "-o", str(tmp_path), "--force")
     assert code == 2
@@ -71,7 +60,7 @@ def test_a_folder_of_something_else_is_not_thrown_away(reproduce, tmp_path):
     assert (tmp_path / "thesis.txt").read_text() == "mine"
 
 
-def test_unknown_part_is_refused(reproduce):
+def test_unknown_part_is_refused():
     code, _, err = reproduce("chapters")
     assert code == 2
     assert "chapters" in err

@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 import json
-import sys
+from functools import partial
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from springline.cli import main
 from springline.io import read, write
 from springline.simulate import Footage, scenarios
 from springline.survey import open_survey
+
+from . import command_line
 
 SCENARIO = """name = "mine"
 [pipe]
@@ -29,21 +30,7 @@ chainages = [0.0, 1.0]
 """
 
 
-@pytest.fixture
-def run(monkeypatch, capsys):
-    """Run the command line in this process; return exit code, stdout and stderr."""
-
-    def call(*words):
-        monkeypatch.setattr(sys, "argv", ["springline", "simulate", *map(str, words)])
-        code = 0
-        try:
-            main()
-        except SystemExit as stop:
-            code = stop.code or 0
-        out = capsys.readouterr()
-        return code, out.out, out.err
-
-    return call
+run = partial(command_line.run, "simulate")
 
 
 @pytest.fixture
@@ -53,13 +40,13 @@ def mine(tmp_path):
     return path
 
 
-def test_list_names_every_ready_scenario(run):
+def test_list_names_every_ready_scenario():
     code, out, _ = run("--list")
     assert code == 0
     assert [line.split()[0] for line in out.splitlines()] == list(scenarios())
 
 
-def test_a_zarr_holds_everything_and_the_seed_matters(run, mine, tmp_path):
+def test_a_zarr_holds_everything_and_the_seed_matters(mine, tmp_path):
     for seed, name in ((1, "a.zarr.zip"), (1, "b.zarr"), (2, "c.zarr.zip")):
         assert run(mine, "-o", tmp_path / name, "--seed", seed)[0] == 0
     a, b, c = (open_survey(tmp_path / name) for name in ("a.zarr.zip", "b.zarr", "c.zarr.zip"))
@@ -68,7 +55,7 @@ def test_a_zarr_holds_everything_and_the_seed_matters(run, mine, tmp_path):
     assert not a.rings["range"].equals(c.rings["range"])
 
 
-def test_a_survey_folder_is_written_and_read_back(run, mine, tmp_path):
+def test_a_survey_folder_is_written_and_read_back(mine, tmp_path):
     code, _, err = run(mine, "-o", tmp_path / "folder", "--seed", 1)
     assert code == 0
     assert "/truth" in err  # what the folder does not hold is said
@@ -88,7 +75,7 @@ lens = { model = "sine", field_of_view_deg = 100.0 }
 
 
 @pytest.mark.parametrize(("output", "folder"), [("a.zarr.zip", "a-frames"), ("b.zarr", "b-frames"), ("c", "c/frames")])
-def test_frames_lie_beside_the_survey_and_are_found_from_it(run, mine, tmp_path, output, folder):
+def test_frames_lie_beside_the_survey_and_are_found_from_it(mine, tmp_path, output, folder):
     Image = pytest.importorskip("PIL.Image")
     mine.write_text(SCENARIO + CAMERA, encoding="utf-8")
     assert run(mine, "-o", tmp_path / output, "--seed", 2)[0] == 0
@@ -110,7 +97,7 @@ def test_frames_lie_beside_the_survey_and_are_found_from_it(run, mine, tmp_path,
     assert not [p for p in tmp_path.iterdir() if p.name.startswith(".")]
 
 
-def test_faults_are_one_message_and_exit_code_2(run, mine, tmp_path):
+def test_faults_are_one_message_and_exit_code_2(mine, tmp_path):
     assert run()[0] == 2
     assert "-o" in run(mine)[2]
     (tmp_path / "there.zarr").mkdir()
@@ -127,7 +114,7 @@ def test_faults_are_one_message_and_exit_code_2(run, mine, tmp_path):
 
 
 @pytest.mark.parametrize("interrupted", [True, False])
-def test_an_interrupt_within_a_kernel_is_an_interrupt(run, mine, tmp_path, monkeypatch, interrupted):
+def test_an_interrupt_within_a_kernel_is_an_interrupt(mine, tmp_path, monkeypatch, interrupted):
     def stop(*words, **options):
         raise SystemError("a result with an exception set") from (KeyboardInterrupt() if interrupted else KeyError())
 
