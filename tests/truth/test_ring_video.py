@@ -8,7 +8,7 @@ from springline.simulate import Footage
 pytest.importorskip("cv2", reason="needs the extra 'vision'")
 
 from springline.imaging.lens_table import camera_of_table
-from springline.imaging.ring_video import RingCamera, RingReader
+from springline.imaging.ring_video import RingReader
 
 SCENARIO = """
 name = "Ring video"
@@ -48,7 +48,7 @@ def test_radius_bias_and_scatter(tmp_path):
     path.write_text(SCENARIO, encoding="utf-8")
     footage = Footage(path, seed=1)
     camera = camera_of_table(footage.lens_table())
-    reader = RingReader(RingCamera(camera.lens, camera.centre, camera.size, camera.laser_ahead))
+    reader = RingReader(camera)
     water = np.abs(BEARING - np.radians(270)) < np.radians(35)
     errors = []
     for k in range(len(footage)):

@@ -2,16 +2,21 @@
 
 from __future__ import annotations
 
+import json
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from springline.errors import InputError, nearest
+from springline.geometry.checks import positive, require
 from springline.geometry.lenses import LENS_MODELS, Lens
+from springline.geometry.robot import frame
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
+
+    from numpy.typing import NDArray
 
 _KEYS = {
     "model": "one of " + ", ".join(LENS_MODELS),
@@ -46,6 +51,9 @@ class MountedCamera:
         yaw: Tilt to the right [rad].
         roll: Turn from its right towards its up [rad].
         laser_ahead: Of the plane of its laser ring before it, along the robot's axis [m]; None without one.
+
+    Raises:
+        ParameterError: There is a laser ring, and it is not ahead or the principal point lies outside the picture.
     """
 
     lens: Lens
@@ -56,6 +64,39 @@ class MountedCamera:
     yaw: float = 0.0
     roll: float = 0.0
     laser_ahead: float | None = None
+
+    def __post_init__(self) -> None:
+        if self.laser_ahead is None:
+            return
+        positive("laser_ahead", self.laser_ahead)
+        width, height = self.size
+        inside = 0 <= self.centre[0] <= width - 1 and 0 <= self.centre[1] <= height - 1
+        require(
+            np.asarray(inside), "centre", self.centre[0], f"a point of the picture of {width} x {height}",
+            "give column and row of the principal point in pixels",
+        )  # fmt: skip
+
+    @property
+    def axes(self) -> NDArray[np.float64]:
+        """The camera's forward, up and right (3, 3) in robot axes; times the robot's own they are those in the pipe."""
+        return frame(self.pitch, self.yaw, self.roll)
+
+
+def cameras_of_calibration(attrs: Mapping[str, Any], *, laser: bool) -> dict[str, MountedCamera]:
+    """Return the cameras of a survey by the names of their lenses.
+
+    Args:
+        attrs: Of the group `/calibration`; its `lens` is JSON of lens tables by name, none when it is not there.
+        laser: Whether to return those with a laser ring or those without; the others' tables are not looked at.
+
+    Raises:
+        InputError: A lens table cannot be used.
+
+    >>> cameras_of_calibration({}, laser=False)
+    {}
+    """
+    tables = json.loads(attrs.get("lens", "{}"))
+    return {name: camera_of_table(table, name) for name, table in tables.items() if ("laser_ahead_m" in table) == laser}
 
 
 def camera_of_table(table: Mapping[str, Any], name: str = "camera") -> MountedCamera:

@@ -20,14 +20,13 @@ import numpy as np
 
 from springline.errors import InputError, ParameterError
 from springline.geometry.camera import camera_at, project, to_pixels
-from springline.geometry.checks import choice, positive, require
-from springline.geometry.robot import frame
+from springline.geometry.checks import choice
 from springline.imaging._ridge import brightest_path, centre_of_light, smooth_course
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from springline.geometry.lenses import Lens
+    from springline.imaging.lens_table import MountedCamera
 
 COLOURS = ("auto", "red", "green", "blue", "white")
 """Colour of the line; auto takes that in which the ring stands out most."""
@@ -56,66 +55,6 @@ _OUTSIDE = -1e4
 
 
 @dataclass(frozen=True)
-class RingCamera:
-    """A camera that sees a laser ring.
-
-    Attributes:
-        lens: Its lens, k in pixels.
-        centre: Column and row of the principal point; (0, 0) is the middle of the first pixel.
-        size: Width and height of a picture [px].
-        ahead: Of the laser plane before the camera's entrance pupil, along the robot's axis [m].
-        pitch: Tilt of the camera on the robot, up [rad].
-        yaw: Tilt to the right [rad].
-        roll: Turn from its right towards its up [rad].
-
-    Raises:
-        ParameterError: A number is out of range.
-    """
-
-    lens: Lens
-    centre: tuple[float, float]
-    size: tuple[int, int]
-    ahead: float
-    pitch: float = 0.0
-    yaw: float = 0.0
-    roll: float = 0.0
-
-    def __post_init__(self) -> None:
-        positive("ahead", self.ahead)
-        width, height = self.size
-        inside = 0 <= self.centre[0] <= width - 1 and 0 <= self.centre[1] <= height - 1
-        require(
-            np.asarray(inside), "centre", self.centre[0], f"a point of the picture of {width} x {height}",
-            "give column and row of the principal point in pixels",
-        )  # fmt: skip
-
-    @property
-    def reach(self) -> int:
-        """Steps of radius that are laid out: pixels to the picture's farthest side, within the lens's range."""
-        width, height = self.size
-        side = max(self.centre[0], self.centre[1], width - 1 - self.centre[0], height - 1 - self.centre[1])
-        return int(min(side, float(self.lens.radius(min(self.lens.max_zenith, _STEEPEST)))))
-
-    def radius_on_plane(self, step: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Return the radius in the laser plane [m] at `step`, the pixels at which a camera without tilt sees it.
-
-        >>> from springline.geometry.lenses import Lens
-        >>> camera = RingCamera(Lens("perspective", 500.0), (319.5, 239.5), (640, 480), ahead=0.3)
-        >>> camera.radius_on_plane(np.array([250.0])).round(6).tolist()
-        [0.15]
-        """
-        return self.ahead * np.tan(self.lens.zenith(step))
-
-    def pixels(self, bearing: NDArray[np.float64], step: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Return (bearing, step, 2) column and row at which the points of the laser plane are seen; NaN = unseen."""
-        radius = self.radius_on_plane(step)
-        up, right = np.sin(bearing)[:, None] * radius, np.cos(bearing)[:, None] * radius
-        points = np.stack([np.full_like(up, self.ahead), up, right], axis=-1)
-        matrix = camera_at(np.zeros(3), frame(self.pitch, self.yaw, self.roll))
-        return to_pixels(project(matrix, points, self.lens), self.centre)
-
-
-@dataclass(frozen=True)
 class RingReading:
     """What one picture shows of the ring.
 
@@ -139,7 +78,7 @@ class RingReader:
     The line's width and colour are taken from the first picture that shows a ring and kept for the others.
 
     Args:
-        camera: The camera and its laser plane.
+        camera: The camera, with its laser plane.
         bearings: Readings per ring, at equal steps from +z.
         colour: One of `COLOURS`.
 
@@ -150,11 +89,14 @@ class RingReader:
     Source: section 2.7 for the lens; the centre of light under a window that follows it, as is usual for laser lines.
     """
 
-    def __init__(self, camera: RingCamera, *, bearings: int = 360, colour: str = "auto") -> None:
+    def __init__(self, camera: MountedCamera, *, bearings: int = 360, colour: str = "auto") -> None:
         choice("colour", colour, COLOURS)
+        if camera.laser_ahead is None:
+            raise ParameterError("the camera has no laser ring", expected="laser_ahead, in metres")
         if bearings < _LEAST_ARC * 4:
             raise ParameterError(f"bearings = {bearings} is out of range", expected=f"{_LEAST_ARC * 4} or more")
         self.camera, self.bearings = camera, bearings
+        self.reach = _reach(camera)
         self._colour = None if colour == "auto" else colour
         self._width: float | None = None
         self._map = self._laid_out()
@@ -164,7 +106,7 @@ class RingReader:
         """Return (fine bearing, step, 2) pixels; each bearing is the mean of the fine ones about it."""
         fine = self.bearings * _OVERSAMPLING
         theta = (np.arange(fine) - 0.5 * (_OVERSAMPLING - 1)) * 2.0 * np.pi / fine
-        pixels = self.camera.pixels(theta, np.arange(self.camera.reach, dtype=float))
+        pixels = plane_pixels(self.camera, theta, np.arange(self.reach, dtype=float))
         return np.where(np.isfinite(pixels), pixels, _OUTSIDE).astype(np.float32)
 
     def read(self, picture: NDArray[np.uint8]) -> RingReading:
@@ -186,7 +128,7 @@ class RingReader:
         light = _weighed(rays, self._colour)
         response = _response(light, width)
         noise = _noise(response)
-        path = brightest_path(_capped(response), float(max(2.0, _JUMP * self.camera.reach)))
+        path = brightest_path(_capped(response), float(max(2.0, _JUMP * self.reach)))
         every = np.arange(self.bearings)
         contrast = response[every, path] / noise
         seen = contrast >= _LEAST_CONTRAST
@@ -199,7 +141,7 @@ class RingReader:
         kept = _kept(place, strength)
         if kept.sum() < _LEAST_ARC:
             return self._nothing(contrast, "what stands out of the picture is no ring")
-        return RingReading(self.camera.radius_on_plane(np.where(kept, place, np.nan)), contrast)
+        return RingReading(radius_on_plane(self.camera, np.where(kept, place, np.nan)), contrast)
 
     def _nothing(self, contrast: NDArray[np.float64], reason: str) -> RingReading:
         return RingReading(np.full(self.bearings, np.nan), contrast, reason)
@@ -218,7 +160,7 @@ class RingReader:
         cv2 = opencv()
         rays = cv2.remap(picture, self._map, None, cv2.INTER_LINEAR, borderMode=cv2.BORDER_CONSTANT)
         rays = cv2.resize(rays, (rays.shape[1], self.bearings), interpolation=cv2.INTER_AREA)
-        return rays.reshape(self.bearings, self.camera.reach, -1).astype(np.float32)
+        return rays.reshape(self.bearings, self.reach, -1).astype(np.float32)
 
     def _settle(self, rays: NDArray[np.float32]) -> tuple[str, float]:
         """Return the colour and the one-sigma [px] at which the ring stands out most."""
@@ -238,6 +180,33 @@ class RingReader:
         column, row = np.moveaxis(self._map[_OVERSAMPLING // 2 :: _OVERSAMPLING], -1, 0)
         width, height = self.camera.size
         return (column > 1) & (column < width - 2) & (row > 1) & (row < height - 2)
+
+
+def radius_on_plane(camera: MountedCamera, step: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the radius in the laser plane [m] at `step`, the pixels at which a camera without tilt sees it.
+
+    >>> from springline.geometry.lenses import Lens
+    >>> from springline.imaging.lens_table import MountedCamera
+    >>> camera = MountedCamera(Lens("perspective", 500.0), (319.5, 239.5), (640, 480), laser_ahead=0.3)
+    >>> radius_on_plane(camera, np.array([250.0])).round(6).tolist()
+    [0.15]
+    """
+    return camera.laser_ahead * np.tan(camera.lens.zenith(step))
+
+
+def plane_pixels(camera: MountedCamera, bearing: NDArray[np.float64], step: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return (bearing, step, 2) column and row at which the points of the laser plane are seen; NaN = unseen."""
+    radius = radius_on_plane(camera, step)
+    up, right = np.sin(bearing)[:, None] * radius, np.cos(bearing)[:, None] * radius
+    points = np.stack([np.full_like(up, camera.laser_ahead), up, right], axis=-1)
+    return to_pixels(project(camera_at(np.zeros(3), camera.axes), points, camera.lens), camera.centre)
+
+
+def _reach(camera: MountedCamera) -> int:
+    """Return the steps of radius that are laid out: pixels to the picture's farthest side, within the lens's range."""
+    width, height = camera.size
+    side = max(camera.centre[0], camera.centre[1], width - 1 - camera.centre[0], height - 1 - camera.centre[1])
+    return int(min(side, float(camera.lens.radius(min(camera.lens.max_zenith, _STEEPEST)))))
 
 
 def _weighed(rays: NDArray[np.float32], colour: str) -> NDArray[np.float32]:

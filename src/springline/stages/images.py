@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -64,13 +63,11 @@ def _radius(survey: Survey) -> float:
 
 def _cameras(survey: Survey) -> dict[str, MountedCamera]:
     """Lenses of the survey that take plain pictures, by name."""
-    from ..imaging.lens_table import camera_of_table
+    from ..imaging.lens_table import cameras_of_calibration
 
     if not survey.has("frames") or not survey.has("calibration"):
         return {}
-    tables = json.loads(survey.calibration.attrs.get("lens", "{}"))
-    cameras = {name: camera_of_table(table, name) for name, table in tables.items()}
-    return {name: camera for name, camera in cameras.items() if camera.laser_ahead is None}
+    return cameras_of_calibration(survey.calibration.attrs, laser=False)
 
 
 def _sightings(survey: Survey, mounted: dict[str, MountedCamera]) -> tuple[list[tuple[Sighting, str]], list[str]]:

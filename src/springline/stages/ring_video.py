@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -62,10 +61,9 @@ def ring_video(survey: Survey, config: Config) -> Survey:
 
 
 def _laser_camera(survey: Survey) -> tuple[str, MountedCamera | None]:
-    from springline.imaging.lens_table import camera_of_table
+    from springline.imaging.lens_table import cameras_of_calibration
 
-    tables = json.loads(survey.calibration.attrs.get("lens", "{}")) if survey.has("calibration") else {}
-    lasers = {name: table for name, table in tables.items() if "laser_ahead_m" in table}
+    lasers = cameras_of_calibration(survey.calibration.attrs, laser=True) if survey.has("calibration") else {}
     if not lasers:
         return "", None
     if len(lasers) > 1:
@@ -73,8 +71,8 @@ def _laser_camera(survey: Survey) -> tuple[str, MountedCamera | None]:
             f"{len(lasers)} lenses have a laser ring: {', '.join(sorted(lasers))}",
             where=survey.attrs.get("name", "survey"), expected="one", mend="inspect the frames of one at a time",
         )  # fmt: skip
-    ((name, table),) = lasers.items()
-    return name, camera_of_table(table, name)
+    ((name, camera),) = lasers.items()
+    return name, camera
 
 
 def _read(
@@ -82,10 +80,9 @@ def _read(
 ) -> tuple[np.ndarray, np.ndarray]:
     """Return (frame, bearing) ranges, and (frame,) whether a frame was read at all; adds to `troubles`."""
     from springline.imaging.moving import each_frame
-    from springline.imaging.ring_video import RingCamera, RingReader
+    from springline.imaging.ring_video import RingReader
 
-    geometry = (camera.lens, camera.centre, camera.size, camera.laser_ahead, camera.pitch, camera.yaw, camera.roll)
-    reader = RingReader(RingCamera(*geometry), bearings=bearings)
+    reader = RingReader(camera, bearings=bearings)
     paths = [str(path) for path in survey.frames["path"].values[used]]
     ranges = np.full((len(used), bearings), np.nan, dtype=np.float32)
     kept = np.ones(len(used), dtype=bool)

@@ -8,7 +8,8 @@ from springline.geometry.lenses import Lens
 
 pytest.importorskip("cv2", reason="needs the extra 'vision'")
 
-from springline.imaging.ring_video import RingCamera, RingReader
+from springline.imaging.lens_table import MountedCamera
+from springline.imaging.ring_video import RingReader
 
 WIDTH, HEIGHT, AHEAD, RADIUS = 640, 480, 0.3, 0.15
 CENTRE = (0.5 * (WIDTH - 1), 0.5 * (HEIGHT - 1))
@@ -52,7 +53,7 @@ def truth(offset):
 @pytest.mark.parametrize(("model", "k"), [("perspective", 420.0), ("equidistant", 480.0)])
 @pytest.mark.parametrize("offset", [(0.0, 0.0), (0.012, -0.006)])
 def test_radii_are_those_of_the_pipe(model, k, offset):
-    reader = RingReader(RingCamera(Lens(model, k), CENTRE, (WIDTH, HEIGHT), AHEAD))
+    reader = RingReader(MountedCamera(Lens(model, k), CENTRE, (WIDTH, HEIGHT), laser_ahead=AHEAD))
     reading = reader.read(drawn(directions(model, k), offset=offset))
     error = reading.range - truth(offset)
     assert np.isfinite(error).mean() > 0.99
@@ -65,15 +66,17 @@ def test_a_tilted_camera_sees_the_same_ring():
     tilt = np.array([[np.cos(pitch), np.sin(pitch), 0], [-np.sin(pitch), np.cos(pitch), 0], [0, 0, 1.0]])
     picture = drawn(directions("perspective", 420.0, tilt))
     lens = Lens("perspective", 420.0)
-    right = RingReader(RingCamera(lens, CENTRE, (WIDTH, HEIGHT), AHEAD, pitch=pitch)).read(picture)
-    wrong = RingReader(RingCamera(lens, CENTRE, (WIDTH, HEIGHT), AHEAD)).read(picture)
+    right = RingReader(MountedCamera(lens, CENTRE, (WIDTH, HEIGHT), laser_ahead=AHEAD, pitch=pitch)).read(picture)
+    wrong = RingReader(MountedCamera(lens, CENTRE, (WIDTH, HEIGHT), laser_ahead=AHEAD)).read(picture)
     assert np.nanmax(np.abs(right.range - RADIUS)) < 0.005 * RADIUS
     assert np.nanmax(np.abs(wrong.range - RADIUS)) > 0.05 * RADIUS
 
 
 def test_a_hidden_arc_stays_missing():
     picture = drawn(directions("perspective", 420.0), hidden=[(230.0, 310.0)])
-    reading = RingReader(RingCamera(Lens("perspective", 420.0), CENTRE, (WIDTH, HEIGHT), AHEAD)).read(picture)
+    reading = RingReader(MountedCamera(Lens("perspective", 420.0), CENTRE, (WIDTH, HEIGHT), laser_ahead=AHEAD)).read(
+        picture
+    )
     assert np.isnan(reading.range[231:310]).all()
     assert np.isfinite(reading.range[:225]).all() and np.isfinite(reading.range[316:]).all()
 
@@ -83,7 +86,7 @@ def test_a_fainter_second_ring_and_a_glint_are_not_followed():
     ghost = drawn(rays * np.array([0.75, 1.0, 1.0]), noise=0.0).astype(float) - 12.0
     picture = drawn(rays, noise=2.0).astype(float) + 0.3 * ghost
     picture[100:108, 300:318] = 255.0
-    reading = RingReader(RingCamera(Lens("perspective", 420.0), CENTRE, (WIDTH, HEIGHT), AHEAD)).read(
+    reading = RingReader(MountedCamera(Lens("perspective", 420.0), CENTRE, (WIDTH, HEIGHT), laser_ahead=AHEAD)).read(
         np.clip(picture, 0, 255).astype(np.uint8)
     )
     assert np.nanmax(np.abs(reading.range - RADIUS)) < 0.02 * RADIUS
@@ -92,7 +95,7 @@ def test_a_fainter_second_ring_and_a_glint_are_not_followed():
 
 def test_colour_is_found_and_grey_pictures_are_read():
     rays = directions("perspective", 420.0)
-    camera = RingCamera(Lens("perspective", 420.0), CENTRE, (WIDTH, HEIGHT), AHEAD)
+    camera = MountedCamera(Lens("perspective", 420.0), CENTRE, (WIDTH, HEIGHT), laser_ahead=AHEAD)
     picture = drawn(rays)
     for view in (picture, picture[:, :, ::-1].copy(), picture[:, :, 2].copy()):
         assert np.nanmean(RingReader(camera).read(view).range) == pytest.approx(RADIUS, rel=5e-4)
@@ -101,7 +104,7 @@ def test_colour_is_found_and_grey_pictures_are_read():
 @pytest.mark.parametrize("level", [0, 90])
 def test_a_picture_without_a_ring_says_so(level):
     noise = level + 4.0 * np.random.default_rng(1).standard_normal((HEIGHT, WIDTH, 3))
-    camera = RingCamera(Lens("perspective", 420.0), CENTRE, (WIDTH, HEIGHT), AHEAD)
+    camera = MountedCamera(Lens("perspective", 420.0), CENTRE, (WIDTH, HEIGHT), laser_ahead=AHEAD)
     reading = RingReader(camera).read(np.clip(noise, 0, 255).astype(np.uint8))
     assert not reading and "ring" in reading.reason
     assert np.isnan(reading.range).all()
@@ -110,10 +113,10 @@ def test_a_picture_without_a_ring_says_so(level):
 def test_what_cannot_be_is_refused():
     lens = Lens("perspective", 420.0)
     with pytest.raises(ParameterError, match=r"ahead = -0\.1"):
-        RingCamera(lens, CENTRE, (WIDTH, HEIGHT), -0.1)
+        MountedCamera(lens, CENTRE, (WIDTH, HEIGHT), laser_ahead=-0.1)
     with pytest.raises(ParameterError, match=r"centre = 700 .* 640 x 480"):
-        RingCamera(lens, (700.0, 10.0), (WIDTH, HEIGHT), AHEAD)
-    camera = RingCamera(lens, CENTRE, (WIDTH, HEIGHT), AHEAD)
+        MountedCamera(lens, (700.0, 10.0), (WIDTH, HEIGHT), laser_ahead=AHEAD)
+    camera = MountedCamera(lens, CENTRE, (WIDTH, HEIGHT), laser_ahead=AHEAD)
     with pytest.raises(ParameterError, match="'pink' is not known"):
         RingReader(camera, colour="pink")
     with pytest.raises(InputError, match="320 x 240 pixels; expected 640 x 480"):
