@@ -10,6 +10,7 @@ from .config import Config
 from .design import judge, load_rule
 from .errors import InputError
 from .stages.clean import clean
+from .stages.design_line import design_line
 from .stages.detect import detect
 from .stages.estimate import estimate
 from .stages.features import features
@@ -26,7 +27,7 @@ if TYPE_CHECKING:
 
     from .survey import Survey
 
-STAGES = (rings, clean, masks, detect, estimate, liner, metrics, features, images, corrections)
+STAGES = (rings, clean, masks, detect, estimate, liner, metrics, features, images, corrections, design_line)
 """The stages in the order in which they run; each takes a survey and its settings and adds its groups."""
 
 

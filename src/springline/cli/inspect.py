@@ -57,6 +57,13 @@ def inspect(
         Path | None,
         typer.Option("--overrides", metavar="FILE", help="Corrections by people, instead of overrides.toml beside."),
     ] = None,
+    design_line: Annotated[
+        Path | None,
+        typer.Option("--design-line", metavar="FILE", help="Where the pipe was to be laid: a table, or LandXML."),
+    ] = None,
+    design_line_of: Annotated[
+        str | None, typer.Option("--design-line-of", help="axis or invert, where that file does not say it.")
+    ] = None,
     units: Annotated[str | None, typer.Option("--units", help="si, or us: inches and feet to read.")] = None,
     input_format: reading.InputFormat = None,
     unit: reading.Unit = None,
@@ -98,6 +105,10 @@ def inspect(
         surveys = _corrected(surveys, overrides)
     if calibration is not None:
         surveys = _calibrated(surveys, calibration)
+    if design_line is None and design_line_of is not None:
+        raise InputError("there is no design line", where="--design-line-of", expected="--design-line FILE with it")
+    if design_line is not None:
+        surveys = _designed(surveys, design_line, design_line_of)
     checks = tuple(check or ())
     if len(surveys) == 1:
         found: Any = inspect_into(next(iter(surveys.values())), output, settings, checks=checks, force=force)
@@ -123,6 +134,23 @@ def _calibrated(surveys: dict[str, Survey], path: Path) -> dict[str, Survey]:
     return {
         key: add_provenance(add_inputs(with_calibration(survey, found), file), calibration=path.name)
         for key, survey in surveys.items()
+    }
+
+
+def _designed(surveys: dict[str, Survey], path: Path, of: str | None) -> dict[str, Survey]:
+    from ..io.design_line import read_design_line
+    from ..survey import Survey, add_inputs, add_provenance, fingerprint
+
+    line, file = read_design_line(path, of=of), fingerprint(path)
+    return {
+        key: add_provenance(
+            add_inputs(
+                Survey({**{name: one.group(name) for name in one.groups}, "design_line": line}, one.attrs), file
+            ),
+            design_line=path.name,
+            design_line_of=of,
+        )
+        for key, one in surveys.items()
     }
 
 

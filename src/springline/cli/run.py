@@ -68,6 +68,12 @@ def tell(found: dict[str, Any], directory: Path) -> None:
     if found["deflection_max_pct"] is not None:
         where = _value(found["deflection_max_chainage_m"], "m")
         lines.append(f"  most deflection  {_value(found['deflection_max_pct'], '%')} at {where}")
+    if found.get("deviation_up_max_mm") is not None:
+        where = _value(found["deviation_up_max_chainage_m"], "m")
+        lines.append(f"  off its design   {_value(found['deviation_up_max_mm'], 'mm')} up at {where}")
+    if found.get("deviation_right_max_mm") is not None:
+        where = _value(found["deviation_right_max_chainage_m"], "m")
+        lines.append(f"                   {_value(found['deviation_right_max_mm'], 'mm')} to the right at {where}")
     lines += [f"  rule {rule['rule']}: {rule['verdict']}" for rule in found["rules"]]
     typer.echo("\n".join(lines))
     typer.echo(f"  report           {directory / 'report.html'}")

@@ -27,13 +27,21 @@ from .flags import FIT_STATUS, MASK_REASONS, NOT_SPEAKING, ROOT_ATTRIBUTES, SENS
 from .frame import BEARING_SENSES, BEARING_ZEROS, CROWN, bearing_from_clock, clock_from_bearing
 from .group import Group, Variable
 from .groups import CALIBRATION_TERMS, GROUPS, POSE_TERMS, SECTION_PARAMETERS, SOURCE_GROUPS
-from .tables import FEATURE_COLUMNS, STATION_COLUMNS, SURVEY_FOLDER_KEYS, SURVEY_SENSOR_KEYS, Column
+from .tables import (
+    DESIGN_LINE_COLUMNS,
+    FEATURE_COLUMNS,
+    STATION_COLUMNS,
+    SURVEY_FOLDER_KEYS,
+    SURVEY_SENSOR_KEYS,
+    Column,
+)
 
 __all__ = [
     "BEARING_SENSES",
     "BEARING_ZEROS",
     "CALIBRATION_TERMS",
     "CROWN",
+    "DESIGN_LINE_COLUMNS",
     "FEATURE_COLUMNS",
     "FIT_STATUS",
     "GROUPS",

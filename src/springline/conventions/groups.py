@@ -8,7 +8,18 @@ from .source_groups import SOURCES
 GROUPS = {group.name: group for group in (*SOURCES, *RESULTS)}
 """The data contract: group name to `Group`; `survey.schema` validates against it, the docs page is made from it."""
 
-SOURCE_GROUPS = ("points", "rings", "rings_rear", "inertial", "frames", "ties", "calibration", "observations", "truth")
+SOURCE_GROUPS = (
+    "points",
+    "rings",
+    "rings_rear",
+    "inertial",
+    "frames",
+    "ties",
+    "design_line",
+    "calibration",
+    "observations",
+    "truth",
+)
 """Groups that come from files; all others are results, made anew by each inspection."""
 
 SECTION_PARAMETERS = ("mean_radius", "oval_cos", "oval_sin")

@@ -227,7 +227,7 @@ RESULTS = (
     ),
     Group(
         "layout",
-        "stages.estimate",
+        "stages.estimate, stages.design_line",
         "where the pipe's axis runs, how it falls, its bends, sags and angles at joints",
         (
             *with_sigma(
@@ -247,6 +247,16 @@ RESULTS = (
                 )
             ),
             var("axis_covariance", "station axis axis_2", "m2", "covariance of easting, northing, elevation"),
+            var("design_elevation", "station", "m", "of the design line abreast of the station; in its own datum"),
+            var("design_gradient", "station", "1", "of the design line, rise per metre of run along travel"),
+            *with_sigma(
+                (
+                    var("deviation_up", "station", "m", "axis or invert above the design line"),
+                    var("deviation_right", "station", "m", "axis to the right of the design line, along travel"),
+                    var("deviation_gradient", "station", "1", "gradient less that of the design line"),
+                ),
+                "",
+            ),
             *with_sigma(
                 (
                     var("bend_start", "bend", "m", "chainage at which each bend begins"),
@@ -273,6 +283,8 @@ RESULTS = (
             ("frame", "ties, or local: from the first ring, heading as the robot did"),
             ("crs", "coordinate reference system of the ties; empty when not stated"),
             ("why_missing", "JSON: reason for each quantity that is not observable"),
+            ("design_line", "axis or invert, whichever was held against the design line"),
+            ("design_datum", "absolute, or chainage [m] of the station held to the line as nothing tells the height"),
         ),
         open=True,
     ),

@@ -105,6 +105,18 @@ SOURCES = (
         ),
     ),
     Group(
+        "design_line",
+        "io.design_line",
+        "the line to which the pipe was to be laid, straight between its points",
+        (
+            var("chainage", "vertex", "m", "along the pipe from the start node; NaN when the line does not state it"),
+            var("easting", "vertex", "m", "easting; NaN for a line of chainage and elevation"),
+            var("northing", "vertex", "m", "northing; NaN for a line of chainage and elevation"),
+            var("elevation", "vertex", "m", "elevation of what refers_to names", required=True),
+        ),
+        (("refers_to", "axis or invert: what runs along the line"), ("source", "name of its file")),
+    ),
+    Group(
         "calibration",
         "calibrate",
         "range scale, boresight, noise law, lens, with covariance",

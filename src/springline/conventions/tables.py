@@ -82,6 +82,13 @@ def _columns() -> tuple[Column, ...]:
 STATION_COLUMNS = _columns()
 """The columns of `stations.csv`, in their order; empty = not available, never 0."""
 
+DESIGN_LINE_COLUMNS = (
+    Column("deviation_up_mm", "layout", "deviation_up", 1e3, 2, "Above the design line [mm]"),
+    Column("deviation_right_mm", "layout", "deviation_right", 1e3, 2, "Right of the design line [mm]"),
+    Column("deviation_gradient_pct", "layout", "deviation_gradient", 1e2, 4, "Gradient less the design's [%]"),
+)
+"""Further columns of `stations.csv`, after all others, where a design line was given."""
+
 FEATURE_COLUMNS = (
     "kind",
     "chainage_m",

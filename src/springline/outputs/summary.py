@@ -20,7 +20,7 @@ def summary(survey: Survey) -> dict[str, Any]:
 
     Largest values leave out stations flagged by `conventions.NOT_SPEAKING`. `unseen_m` is the length of stations
     under 50 % coverage and of gaps of more than three spacings between stations. `features` is how many were found,
-    None when nobody looked for any.
+    None when nobody looked for any. Deviations from a design line stand in it where one was given.
 
     Args:
         survey: A finished survey.
@@ -48,12 +48,24 @@ def summary(survey: Survey) -> dict[str, Any]:
         "deflection_max_pct": _at(deflection, most_deflected, 1e2),
         "deflection_max_chainage_m": _at(results.chainage, most_deflected, 1.0),
         "area_loss_max_pct": _at(loss, most_lost, 1e2),
+        **(_deviations(results) if survey.has("design_line") else {}),
         "features": feature_count(survey),
         "rules": json.loads(survey.attrs.get("rules", "[]")),
         "warnings": survey.warnings,
         "assumptions": survey.assumptions,
         "version": results.provenance.get("version", __version__),
     }
+
+
+def _deviations(results: Results) -> dict[str, float | None]:
+    """Return the deviations from the design line that are largest in size, with their sign, and where they stand."""
+    found: dict[str, float | None] = {}
+    for name, unit, factor in (("up", "mm", 1e3), ("right", "mm", 1e3), ("gradient", "pct", 1e2)):
+        values = results.judged(f"deviation_{name}", "layout")
+        at = worst_station(np.abs(values))
+        found[f"deviation_{name}_max_{unit}"] = _at(values, at, factor)
+        found[f"deviation_{name}_max_chainage_m"] = _at(results.chainage, at, 1.0)
+    return found
 
 
 def _at(values: np.ndarray, station: int | None, factor: float) -> float | None:

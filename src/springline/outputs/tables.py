@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import pandas as pd
 
-from ..conventions import FEATURE_COLUMNS, STATION_COLUMNS, clock_from_bearing
+from ..conventions import DESIGN_LINE_COLUMNS, FEATURE_COLUMNS, STATION_COLUMNS, clock_from_bearing
 from .results import Results, text
 from .units import converted
 
@@ -35,12 +35,19 @@ FEATURE_DECIMALS = {
 }
 """Decimals of the numbers in `features.csv`; the other columns hold text."""
 
-STATION_DECIMALS = {c.name: c.decimals for c in STATION_COLUMNS if c.name not in _TEXT}
+STATION_DECIMALS = {c.name: c.decimals for c in (*STATION_COLUMNS, *DESIGN_LINE_COLUMNS) if c.name not in _TEXT}
 """Decimals of the numbers in `stations.csv`; the other columns hold text."""
 
 
+def station_columns(survey: Survey) -> tuple[Column, ...]:
+    """Return the columns of a survey's stations: those of `conventions.STATION_COLUMNS`, and after them those of
+    `DESIGN_LINE_COLUMNS` where it was held against a design line."""
+    held = survey.has("layout") and "deviation_up" in survey.layout
+    return (*STATION_COLUMNS, *DESIGN_LINE_COLUMNS) if held else STATION_COLUMNS
+
+
 def stations_table(survey: Survey) -> pd.DataFrame:
-    """Return the results at each station, in the columns of `conventions.STATION_COLUMNS` and their edge units.
+    """Return the results at each station, in the columns of `station_columns` and their edge units.
 
     Args:
         survey: A finished survey.
@@ -52,7 +59,7 @@ def stations_table(survey: Survey) -> pd.DataFrame:
         ContractError: The survey is not finished.
     """
     results = Results(survey)
-    return pd.DataFrame({c.name: _values(results, c) for c in STATION_COLUMNS})
+    return pd.DataFrame({c.name: _values(results, c) for c in station_columns(survey)})
 
 
 def stations_sigma_table(survey: Survey) -> pd.DataFrame:
@@ -65,7 +72,7 @@ def stations_sigma_table(survey: Survey) -> pd.DataFrame:
         ContractError: The survey is not finished.
     """
     results = Results(survey)
-    return pd.DataFrame({c.name: _sigmas(results, c) for c in STATION_COLUMNS})
+    return pd.DataFrame({c.name: _sigmas(results, c) for c in station_columns(survey)})
 
 
 def features_table(survey: Survey) -> pd.DataFrame:

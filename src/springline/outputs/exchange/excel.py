@@ -6,7 +6,6 @@ import json
 import math
 from typing import TYPE_CHECKING, Any
 
-from ...conventions import STATION_COLUMNS
 from .. import tables
 from ..results import Results
 from ..summary import summary
@@ -39,10 +38,10 @@ def write_excel(survey: Survey, path: Path) -> None:
     book = Workbook(write_only=True)
     step = -(-results.stations // _MOST_ROWS)
     _summary_sheet(book, survey, step)
-    titles = {c.name: c.heading for c in STATION_COLUMNS}
+    columns = tables.station_columns(survey)
     for name, make in (("Stations", tables.stations_table), ("One-sigma", tables.stations_sigma_table)):
         table, decimals = converted(make(survey).iloc[::step], tables.STATION_DECIMALS, results.units)
-        headings = [heading(titles[c.name], results.units) for c in STATION_COLUMNS]
+        headings = [heading(c.heading, results.units) for c in columns]
         _table_sheet(book, name, headings, table, decimals)
     table, decimals = converted(tables.features_table(survey), tables.FEATURE_DECIMALS, results.units)
     _table_sheet(book, "Features", list(table.columns), table, decimals)

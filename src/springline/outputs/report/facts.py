@@ -70,7 +70,9 @@ def command(results: Results) -> str:
     for flag, key in (("nominal", "nominal_diameter"), ("base", "base_diameter")):
         if attrs.get(key) is not None:
             stated[flag] = f"{float(attrs[key]) * 1e3:g}mm"
-    files = {key: str(record[key]) for key in ("calibration", "overrides") if key in record}
+    files = {
+        key: str(record[key]) for key in ("calibration", "overrides", "design_line", "design_line_of") if key in record
+    }
     flags = [f"--{key.replace('_', '-')}" for key in (*stated, *files)]
     # A value that begins with a hyphen, as axes do, would be taken for another option.
     words = [

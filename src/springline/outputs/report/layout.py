@@ -61,7 +61,8 @@ def make_layout(
         features: Rows of `features.csv`, marked on the plan by their number.
     """
     plan = _plan(results, scales, features)
-    made = [maker(results, profiles, scales) for maker in (_elevation, _sag, _gradient, _bend)]
+    held = (_deviation, _deviation_gradient) if results.survey.has("design_line") else ()
+    made = [maker(results, profiles, scales) for maker in (_elevation, _sag, _gradient, _bend, *held)]
     charts = [drawn(profiles, one) for one in made if isinstance(one, Chart)]
     missing = [one for one in made if isinstance(one, Missing)]
     if plan is None:
@@ -145,6 +146,33 @@ def _bend(results: Results, profiles: Profiles, scales: Scales) -> Chart | Missi
     return Chart(
         "bend", title, length.name, axis, 2, lines, bands, note="Nothing is drawn where the pipe runs straight."
     )
+
+
+def _deviation(results: Results, profiles: Profiles, scales: Scales) -> Chart | Missing:
+    title, small = "Deviation from the design line", scales.small
+    rows = (("deviation_up", "up", INK, ""), ("deviation_right", "to the right", ORANGE, "7 3"))
+    lines = chart_lines(results, profiles, small.factor, rows, "layout")
+    if not lines:
+        return Missing("deviation", title, _why(results, "deviation_up"))
+    bands = interval(results, profiles, small.factor, "deviation_up", "95 % interval of up", "layout")
+    attrs = results.survey.layout.attrs
+    note = f"Of the {attrs.get('design_line', 'axis')}."
+    if (datum := attrs.get("design_datum", "absolute")) != "absolute":
+        note += f" Nothing tells the height: up counts from the station at {scales.length.text(float(datum), 2)}."
+    if reason := json.loads(attrs.get("why_missing", "{}")).get("deviation_right"):
+        note += f" To the right it is not known: {reason}."
+    axis = axis_over(lines, bands, levels=(0.0,), least=1e-3 * small.factor)
+    return Chart("deviation", title, small.name, axis, 1 + small.decimals, lines, bands, note=note)
+
+
+def _deviation_gradient(results: Results, profiles: Profiles, scales: Scales) -> Chart | Missing:
+    title = "Gradient less that of the design line"
+    lines = chart_lines(results, profiles, 1e2, (("deviation_gradient", "difference", INK, ""),), "layout")
+    if not lines:
+        return Missing("deviation_gradient", title, _why(results, "deviation_gradient"))
+    bands = interval(results, profiles, 1e2, "deviation_gradient", "95 % interval", "layout")
+    axis = axis_over(lines, bands, levels=(0.0,), least=0.1)
+    return Chart("deviation_gradient", title, "%", axis, 3, lines, bands, note="Positive where the pipe rises more.")
 
 
 def _datum(results: Results) -> str:
