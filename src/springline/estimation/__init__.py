@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from .joint import estimate_joint
     from .options import JointOptions
     from .profile import Deflection, Sag
+    from .rear import Rear
     from .results import JointEstimate
 
 _HOMES = {
@@ -29,6 +30,7 @@ _HOMES = {
     "Bend": "bends",
     "Sag": "profile",
     "Deflection": "profile",
+    "Rear": "rear",
     "Harmonics": "harmonics",
     "pooled_harmonics": "harmonics",
 }
@@ -40,6 +42,7 @@ __all__ = [
     "Inertial",
     "JointEstimate",
     "JointOptions",
+    "Rear",
     "Rings",
     "Sag",
     "Ties",

@@ -11,6 +11,7 @@ from .elimination import add_products
 from .factors.base import Factor, Linear
 from .mixing import Mixing
 from .problem import Problem
+from .rear import RearFactor
 from .solver import Factored, Normal, solve
 from .states import BLOCK, CLOCK, OFFSET, SCALARS, SECTION, SLIP_RIGHT, SLIP_UP, State
 
@@ -126,11 +127,13 @@ def doubt_slip(found: Factored, state: State, problem: Problem) -> None:
     if not tilt > 0.0:
         return
     slip = problem.options.shape / (float(np.median(state.knots[:, SECTION.start])) * tilt)
+    rear = 0.0 if problem.rear is None else RearFactor(problem, None).slip_information(state)
     for column in (SLIP_UP, SLIP_RIGHT):
         variance = found.corner[column, column]
         # What a change of slip by one, with all that hangs on it, does to every state.
         along, corner = found.border[:, :, column] / variance, found.corner[:, column] / variance
-        more = max(slip**2 - variance, 0.0)
+        # What pairs of rings tell of the slip does not hang on their shape.
+        more = max((slip * max(1.0 - rear * variance, 0.0)) ** 2 - variance, 0.0)
         add_products(found.diagonal, found.beside, more * along[:, :, None], along[:, :, None])
         found.border += more * along[:, :, None] * corner
         found.corner = found.corner + more * np.outer(corner, corner)
@@ -174,7 +177,7 @@ def _step(problem: Problem, state: State, bend, scales: dict[str, np.ndarray], *
             one.add(normal)
             if name == "rings":
                 squares.append(one.residual.ravel() ** 2)
-            elif covariance:
+            elif covariance and any(factor.tuned):
                 linear.append(one)
     found = solve(normal, problem.threads(state), state.along, covariance=covariance)
     return _Step(found, factors, linear, np.concatenate(squares))

@@ -14,6 +14,7 @@ from .iterate import Solution, iterate
 from .options import JointOptions
 from .problem import Problem
 from .profile import find_sags, joint_angles
+from .rear import Rear, RearFactor
 from .results import SCALAR_NAMES, JointEstimate, at_rings
 from .start import first_axis, first_state, heading_of, straight_state
 from .states import DIRECTION, State, knots_over
@@ -34,6 +35,7 @@ def estimate_joint(
     *,
     harmonics: Harmonics | None = None,
     joints: np.ndarray | None = None,
+    rear: Rear | None = None,
 ) -> JointEstimate:
     """Return pose, section and layout that explain everything measured at once, with their covariance.
 
@@ -49,6 +51,7 @@ def estimate_joint(
         harmonics: What `pooled_harmonics` found in the rings' readings; its ellipses are then used, and a shape that is
             no ellipse is said in the warnings.
         joints: Odometer reading of each joint whose angle is wanted [m] (j,), increasing.
+        rear: Rings of a second scanner behind or ahead of the first; None when there is none.
 
     Returns:
         JointEstimate; what the given measurements cannot tell is NaN, with the reason in `why_missing`.
@@ -76,6 +79,7 @@ def estimate_joint(
                 "widened where a part of the wall is not seen."
             )
     problem, state = _set_up(rings, inertial, ties, options)
+    problem.rear = rear
     solution = iterate(problem, state, lambda now: bend_terms(problem, now))
     doubt = np.zeros(len(rings.distance)) if harmonics is None else harmonics.doubt
     return _told(problem, solution, ties, remarks, doubt, np.empty(0) if joints is None else np.asarray(joints, float))
@@ -162,6 +166,8 @@ def _told(
             f"Rings differ from ellipses {np.sqrt(misfit):.1f} times more than their noise: the section has a shape "
             "of its own, or the readings are noisier than they seem. Sigmas are widened by as much."
         )
+    if problem.rear is not None:
+        warnings += _of_rear(problem, solution)
     if not solution.converged:
         warnings.append(f"The joint estimate had not come to rest after {solution.iterations} steps.")
     return JointEstimate(
@@ -176,6 +182,17 @@ def _told(
         iterations=solution.iterations,
         converged=solution.converged,
     )
+
+
+def _of_rear(problem: Problem, solution: Solution) -> list[str]:
+    """Return what must be said of the rear scanner."""
+    apart = RearFactor(problem, None).misfit(solution.state)[1]
+    if not apart > _MISFIT:
+        return []
+    return [
+        f"Front and rear rings differ about the section {np.sqrt(apart):.1f} times more than their noise: their scales "
+        "or their places on the robot are not what was stated."
+    ]
 
 
 def _along_axis(problem: Problem, solution: Solution, values: dict[str, np.ndarray], joints: np.ndarray) -> tuple:
@@ -201,7 +218,11 @@ def _scalars(problem: Problem, solution: Solution) -> dict[str, tuple[float, flo
     """Return value and one-sigma of every scalar; NaN where the given measurements have no part in it."""
     state = solution.state
     corner = np.sqrt(np.diag(solution.covariance.corner))
-    told = SCALAR_NAMES if problem.track is not None else ("slip_up", "slip_right")
+    told = (
+        set(SCALAR_NAMES) if problem.track is not None else {"slip_up", "slip_right", "baseline_up", "baseline_right"}
+    )
+    if problem.rear is None:
+        told -= {"baseline_up", "baseline_right"}
     out = {
         name: (float(state.scalars[k]), float(corner[k])) if name in told else (np.nan, np.nan)
         for name, k in SCALAR_NAMES.items()
@@ -217,7 +238,7 @@ def _missing(problem: Problem) -> dict[str, str]:
     if problem.track is None:
         why["roll"] = _NO_LOG.format("which way is up; the section is drawn as the sensor holds it")
         why["axis"] = why["gradient"] = _NO_LOG.format("how the pipe turns and falls")
-        if not problem.rings.odometer:
+        if not problem.rings.odometer and problem.rear is None:
             why["pitch"] = why["yaw"] = _ALONE
     elif problem.ties is None:
         why["north"] = "no ties: the layout starts at its first ring, heading as the robot did"

@@ -18,11 +18,14 @@ from .factors.rings import RingFactor
 from .factors.section import section
 from .factors.sensor import Places
 from .options import JointOptions
+from .rear import Rear, RearFactor
 from .solver import Threads
 from .states import (
     ACCEL,
     AXIS,
     AXLES,
+    BASE_RIGHT,
+    BASE_UP,
     CLOCK,
     DIRECTION,
     GYRO,
@@ -62,6 +65,7 @@ class Problem:
         ties: Known points with positions in the working frame; None when there are none.
         origin: Where the axis is thought to begin, in the working frame [m] (3,).
         north: Whether the ties tell the way north.
+        rear: Rings of a rear scanner; None when there is none.
     """
 
     rings: Rings
@@ -71,6 +75,7 @@ class Problem:
     ties: Ties | None
     origin: np.ndarray
     north: bool
+    rear: Rear | None = None
 
     @property
     def step(self) -> float:
@@ -128,6 +133,9 @@ class Problem:
             out.append(odometry(starts, along, own.across * root, own.tails, own.across_tails))
             # Creep and wander of an attitude that nothing else tells cannot both be taken from the data.
             out[-1].tuned = (False, self.track is not None)
+        if self.rear is not None:
+            creep = next((one for one in out if one.name == "odometry"), None)
+            out.append(RearFactor(self, creep))
         out += self._inertial if self.track is not None else self._blind(intervals)
         value = np.zeros(SCALARS)
         value[ORIGIN] = self.origin
@@ -200,6 +208,7 @@ class Problem:
             own.axles,
             own.clock,
         )
+        sigma[[BASE_UP, BASE_RIGHT]] = _FIXED if self.rear is None else self.rear.sigma
         sigma[ORIGIN] = 1.0 if self.ties is not None else 1e-6
         if self.track is None:
             sigma[[*range(GYRO.start, ACCEL.stop), CLOCK, SCALE]] = _FIXED

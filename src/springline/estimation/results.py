@@ -13,7 +13,7 @@ from .factors.rings import WINDOW
 from .iterate import Solution
 from .problem import Problem
 from .profile import Deflection, Sag
-from .states import ACCEL, AXLES, CLOCK, GYRO, LEVER, LEVER_UP, SCALE, SLIP_RIGHT, SLIP_UP
+from .states import ACCEL, AXLES, BASE_RIGHT, BASE_UP, CLOCK, GYRO, LEVER, LEVER_UP, SCALE, SLIP_RIGHT, SLIP_UP
 from .torus import bend_terms
 
 SCALAR_NAMES = {
@@ -30,6 +30,8 @@ SCALAR_NAMES = {
     "lever_up": LEVER_UP,
     "axles": AXLES,
     "clock_offset": CLOCK,
+    "baseline_up": BASE_UP,
+    "baseline_right": BASE_RIGHT,
 }
 """Scalars of a survey by name; see `states` for what each is."""
 

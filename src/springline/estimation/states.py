@@ -43,11 +43,13 @@ CLOCK = 12
 """What the inertial unit's clock shows too much against the rings' clock [s]."""
 ORIGIN = slice(13, 16)
 """Point of the axis at the first knot, east, north, up in the working frame [m]."""
-SCALARS = 16
+BASE_UP, BASE_RIGHT = 16, 17
+"""Direction from a rear scanner's centre to the front's against the one stated [rad], towards the robot's y and z."""
+SCALARS = 18
 
 STEPS = np.full(BLOCK, 1e-6)
 """Steps of the numerical derivatives by each state of a knot."""
-SCALAR_STEPS = np.array([1e-7] * 3 + [1e-4] * 3 + [1e-6] * 6 + [1e-4] + [1e-6] * 3)
+SCALAR_STEPS = np.array([1e-7] * 3 + [1e-4] * 3 + [1e-6] * 6 + [1e-4] + [1e-6] * 5)
 """The same for the scalars."""
 
 

@@ -6,14 +6,18 @@ wall is found at bearings all round, exactly on the torus, and an ellipse is fit
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 
 from ..geometry.fitting import fit_ellipses_to_ranges
 from ..geometry.robot import frame
 from .factors.rings import WINDOW
 from .factors.sensor import Places
-from .problem import Problem
 from .states import CLOCK, DIRECTION, SECTION, State, place
+
+if TYPE_CHECKING:
+    from .problem import Problem
 
 _BEARINGS = 48
 _STEEPEST = 0.6
@@ -35,19 +39,27 @@ def bend_terms(problem: Problem, state: State) -> np.ndarray:
         return out
     for first in range(0, len(bent), WINDOW):
         rows = bent[first : first + WINDOW]
-        _add_bend(
-            out, rows, problem.places(problem.rings.distance[rows], float(state.scalars[CLOCK])), state, curvature
-        )
+        places = problem.places(problem.rings.distance[rows], float(state.scalars[CLOCK]))
+        out[rows] = _added(places, state, curvature)
     return out
 
 
-def _add_bend(out: np.ndarray, rings: np.ndarray, places: Places, state: State, curvature: np.ndarray) -> None:
-    found = places.evaluate(1, state, np.arange(0))[0]
+def added_at(places: Places, state: State) -> np.ndarray:
+    """Return what bends add to the ellipses of rings at places, as `bend_terms` does of the survey's own [m] (n, 5)."""
+    return _added(places, state, _curvature(state))
+
+
+def _added(places: Places, state: State, curvature: np.ndarray) -> np.ndarray:
+    out = np.zeros((len(places.interval), 5))
     bend = curvature[places.interval]
+    if not bend.any():
+        return out
+    found = places.evaluate(1, state, np.arange(0))[0]
     reach = found[:, 5] * np.hypot(np.tan(found[:, 2]), np.tan(found[:, 3]))
     rows = np.flatnonzero(np.hypot(*bend.T) * reach**2 > 2.0 * _LEAST)
     if rows.size:
-        out[rings[rows]] = added_by_bend(found[rows, :5], found[rows, 5:8], bend[rows])
+        out[rows] = added_by_bend(found[rows, :5], found[rows, 5:8], bend[rows])
+    return out
 
 
 def _curvature(state: State) -> np.ndarray:
