@@ -159,7 +159,7 @@ def test_without_ties_or_standstill_sigma_of_the_centreline_grows(weave):
     rings, log, _, _, found = weave
     free = estimate_joint(rings, log)
     assert "north" in free.why_missing
-    assert free.axis_sigma[-1].max() > 3.0 * found.axis_sigma[-1].max()
+    assert free.axis_sigma[-1].max() > 2.5 * found.axis_sigma[-1].max()
     rings, log, ties, _ = survey(stand=0.5)
     hasty = estimate_joint(rings, log, ties)
     assert hasty.axis_sigma[len(rings.distance) // 2, :2].max() > found.axis_sigma[len(rings.distance) // 2, :2].max()

@@ -57,8 +57,7 @@ def solved():
     rings = Rings(data["distance"].values, fits.parameters, fits.covariance, data["time"].values)
     log = Inertial(*(made.inertial[name].values for name in ("time", "gyro", "accel")))
     points = np.stack([known[name].values for name in ("easting", "northing", "elevation")], axis=1)
-    # Without the doubt in ring shapes, which is added to the covariance when all is solved.
-    options = JointOptions(knot_step=0.1, tolerance=1e-4, iterations=40, shape=1e-12)
+    options = JointOptions(knot_step=0.1, tolerance=1e-4, iterations=40)
     problem, state = _set_up(rings, log, Ties(known["distance"].values, points, known["sigma"].values), options)
     solution = iterate(problem, state, lambda now: bend_terms(problem, now))
     assert solution.converged

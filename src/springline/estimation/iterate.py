@@ -3,30 +3,30 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import NamedTuple
 
 import numpy as np
 
-from .elimination import add_products
-from .factors.base import Factor, Linear
+from .factors.base import Linear
 from .mixing import Mixing
 from .problem import Problem
-from .rear import RearFactor
 from .solver import Factored, Normal, solve
-from .states import BLOCK, CLOCK, OFFSET, SCALARS, SECTION, SLIP_RIGHT, SLIP_UP, State
+from .states import BLOCK, CLOCK, SCALARS, State
 
 _NORMAL = 0.4549
 """Median of a squared standard normal."""
 _SETTLING = 1
-_TUNED = 9
-"""Steps after which scales are first, and last, taken from the data: then the weights stand still."""
-_EAGER = 1.0
-"""First gain of a scale."""
-_GROWTH, _MOST = 1.4, 4.0
-"""How a gain grows while its scale is asked on, and the largest."""
-_CALM = 0.35
+"""Steps before noise scales are taken from the data: the start is too far off to tell them."""
+_TUNED = 8
+"""Steps after which they stand still in any case."""
+_TIMES, _TIMES_TUNING = 3, 6
+"""How often robust weights, and with them the scales, are set anew before factors are linearised again."""
+_GROWTH, _MOST = 1.4, 2.0
+"""How a scale's gain grows while it is asked on, and the largest."""
+_CALM = 0.4
 """What a gain is multiplied by when its scale is asked back."""
-_ENOUGH = 0.1
+_FURTHEST = 1.0
+"""Largest change of a scale's logarithm at once."""
+_ENOUGH = 0.05
 """Change of a scale's logarithm that is let be."""
 
 
@@ -53,31 +53,36 @@ class Solution:
 
 @dataclass
 class Tuning:
-    """Noise scales on their way to where the data put them.
+    """Noise scales on their way to where the data, and what is thought of them beforehand, put them.
 
     Two scales that explain the same residuals push one another to and fro; so each has its own gain, which falls
     whenever it is asked back.
 
     Attributes:
+        unsure: One-sigma of a scale's logarithm beforehand. A noise that the data say nothing of stays near its start,
+            instead of falling to nothing, which no real pipe or robot keeps to.
         scales: Factor name to its groups' one-sigma over the stated one.
         settled: Whether all rest.
     """
 
+    unsure: float
     scales: dict[str, np.ndarray] = field(default_factory=dict)
     settled: bool = False
     _gains: dict[str, np.ndarray] = field(default_factory=dict)
     _last: dict[str, np.ndarray] = field(default_factory=dict)
 
-    def follow(self, linear: list[Linear], found: Factored) -> None:
-        """Move every scale as its residuals ask."""
+    def follow(self, balances: dict[str, np.ndarray], tuned: dict[str, tuple[bool, ...]]) -> None:
+        """Move every scale as the balance of its residuals asks: squares left over, and how many are free (g, 2)."""
         self.settled = True
-        for one in linear:
-            name, asked = one.factor.name, one.asked(found)
-            gain = self._gains.get(name, np.full(len(asked), _EAGER))
-            back = asked * self._last.get(name, asked) < 0.0
-            gain = np.where(back, _CALM * gain, np.minimum(_GROWTH * gain, _MOST))
-            change = np.exp(np.clip(gain * asked, -2.3, 2.3))
-            self.scales[name] = np.clip(one.factor.scale * change, 1e-3, 1e3)
+        for name, balance in balances.items():
+            scale = self.scales.get(name, np.ones(len(balance)))
+            back = -np.log(scale) / self.unsure**2
+            left, free = balance[:, 0] + np.maximum(back, 0.0), balance[:, 1] + np.maximum(-back, 0.0)
+            asked = np.where(tuned[name], 0.5 * np.log(np.maximum(left, 1e-9) / np.maximum(free, 1e-9)), 0.0)
+            asked = np.clip(asked, -_FURTHEST, _FURTHEST)
+            gain, last = self._gains.get(name, np.ones(len(asked))), self._last.get(name, asked)
+            gain = np.where(asked * last < 0.0, _CALM * gain, np.minimum(_GROWTH * gain, _MOST))
+            self.scales[name] = scale * np.exp(np.clip(gain * asked, -_FURTHEST, _FURTHEST))
             self._gains[name], self._last[name] = gain, asked
             self.settled &= bool((np.abs(asked) < _ENOUGH).all())
 
@@ -90,16 +95,15 @@ def iterate(problem: Problem, state: State, bend) -> Solution:
         state: Where to start.
         bend: Function of a state: what bends add to the rings' ellipses [m] (n, 5).
     """
-    tuning, mixing = Tuning(), Mixing()
-    sigma = np.ones_like(state.knots)
+    tuning, mixing = Tuning(np.log(problem.options.unsure)), Mixing()
+    sigma = None
     converged = False
     for count in range(1, problem.options.iterations + 1):
-        tune = count > _SETTLING and not tuning.settled and count <= _TUNED
-        step = _step(problem, state, bend, tuning.scales, covariance=tune)
-        found = step.found
-        if tune:
-            tuning.follow(step.linear, found)
-            sigma = np.sqrt(np.einsum("kii->ki", found.diagonal))
+        tune = _SETTLING < count <= _TUNED and not tuning.settled
+        linear = Linearised(problem, state, bend, tuning.scales)
+        found = linear.solve(tuning, tune=tune)
+        if tune or sigma is None:
+            sigma = np.sqrt(np.einsum("kii->ki", found.diagonal)) if tune else np.ones_like(state.knots)
         edge = np.sqrt(np.diag(found.corner))
         state = _moved(state, found, mixing, sigma, edge)
         if not (tuning.settled or count >= _TUNED):
@@ -111,41 +115,10 @@ def iterate(problem: Problem, state: State, bend) -> Solution:
         converged = (tuning.settled or count > _TUNED) and size < problem.options.tolerance
         if converged:
             break
-    last = _step(problem, state, bend, tuning.scales, covariance=True)
-    doubt_slip(last.found, state, problem)
+    last = Linearised(problem, state, bend, tuning.scales)
+    found = last.once(covariance=True)
     misfit = float(np.median(last.squares) / _NORMAL)
-    return Solution(state, last.found, tuning.scales, misfit, count, converged)
-
-
-def doubt_slip(found: Factored, state: State, problem: Problem) -> None:
-    """Widen the covariance by what the rings' shapes are in doubt by all along, where they tell the side-slip.
-
-    A slip of s fakes an ovality of radius times tilt times s while the robot weaves; a doubt in ovality is one in slip,
-    and in whatever hangs on slip.
-    """
-    tilt = weaving(problem, state)
-    if not tilt > 0.0:
-        return
-    slip = problem.options.shape / (float(np.median(state.knots[:, SECTION.start])) * tilt)
-    rear = 0.0 if problem.rear is None else RearFactor(problem, None).slip_information(state)
-    for column in (SLIP_UP, SLIP_RIGHT):
-        variance = found.corner[column, column]
-        # What a change of slip by one, with all that hangs on it, does to every state.
-        along, corner = found.border[:, :, column] / variance, found.corner[:, column] / variance
-        # What pairs of rings tell of the slip does not hang on their shape.
-        more = max((slip * max(1.0 - rear * variance, 0.0)) ** 2 - variance, 0.0)
-        add_products(found.diagonal, found.beside, more * along[:, :, None], along[:, :, None])
-        found.border += more * along[:, :, None] * corner
-        found.corner = found.corner + more * np.outer(corner, corner)
-
-
-def weaving(problem: Problem, state: State) -> float:
-    """Return how much the robot's direction weaves about the pipe's: root mean square tilt less its mean [rad]."""
-    if problem.track is None:
-        return 0.0
-    # The way of the offset along the pipe is the tilt, slip apart.
-    slope = np.diff(state.knots[:, OFFSET], axis=0) / np.diff(state.distance)[:, None]
-    return float(np.sqrt(np.sum(np.var(slope, axis=0))))
+    return Solution(state, found, tuning.scales, misfit, count, converged)
 
 
 def _moved(state: State, found: Factored, mixing: Mixing, sigma: np.ndarray, edge: np.ndarray) -> State:
@@ -158,26 +131,44 @@ def _moved(state: State, found: Factored, mixing: Mixing, sigma: np.ndarray, edg
     return State(state.distance, there[: state.knots.size].reshape(state.knots.shape), there[state.knots.size :])
 
 
-class _Step(NamedTuple):
-    found: Factored
-    factors: dict[str, Factor]
-    linear: list[Linear]
-    squares: np.ndarray
+class Linearised:
+    """All factors at a state: rings as they stand, and the others with weights that are set anew time after time."""
 
+    def __init__(self, problem: Problem, state: State, bend, scales: dict[str, np.ndarray]) -> None:
+        self._state, self._threads = state, problem.threads(state)
+        self._rings = Normal.zeros(len(state.knots), BLOCK, SCALARS)
+        self._others: dict[str, Linear] = {}
+        squares = []
+        for name, factor in problem.factors(float(state.scalars[CLOCK]), bend(state)).items():
+            factor.scale = scales[name].copy() if name in scales else factor.scale
+            for part in factor.windows():
+                one = part.linearise(state)
+                if factor.many:
+                    one.add(self._rings)
+                else:
+                    self._others[name] = one
+                if name == "rings":
+                    squares.append(one.residual.ravel() ** 2)
+        self.squares = np.concatenate(squares)
 
-def _step(problem: Problem, state: State, bend, scales: dict[str, np.ndarray], *, covariance: bool) -> _Step:
-    """Return the step from a state, the factors, all but the rings' as they are there, and the rings' squares."""
-    normal = Normal.zeros(len(state.knots), BLOCK, SCALARS)
-    linear, squares = [], []
-    factors = problem.factors(float(state.scalars[CLOCK]), bend(state))
-    for name, factor in factors.items():
-        factor.scale = scales[name].copy() if name in scales else factor.scale
-        for part in factor.windows():
-            one = part.linearise(state)
+    def solve(self, tuning: Tuning, *, tune: bool) -> Factored:
+        """Return the step, weights and scales set anew a few times on the way."""
+        for _ in range(_TIMES_TUNING if tune else _TIMES):
+            found = self.once(covariance=tune)
+            left = {name: one.after(found) for name, one in self._others.items()}
+            if tune:
+                balances = {
+                    name: one.balance(found, left[name]) for name, one in self._others.items() if any(one.factor.tuned)
+                }
+                tuning.follow(balances, {name: self._others[name].factor.tuned for name in balances})
+            for name, one in self._others.items():
+                one.factor.scale = tuning.scales.get(name, one.factor.scale)
+                one.weight = one.factor.weights(left[name])
+        return found
+
+    def once(self, *, covariance: bool) -> Factored:
+        """Return the step at the weights as they are."""
+        normal = self._rings.copy()
+        for one in self._others.values():
             one.add(normal)
-            if name == "rings":
-                squares.append(one.residual.ravel() ** 2)
-            elif covariance and any(factor.tuned):
-                linear.append(one)
-    found = solve(normal, problem.threads(state), state.along, covariance=covariance)
-    return _Step(found, factors, linear, np.concatenate(squares))
+        return solve(normal, self._threads, self._state.along, covariance=covariance)

@@ -28,9 +28,8 @@ class JointOptions:
         kink: Random walk of the pipe's direction [rad per square root of m]; a start, then taken from the data.
         trend: Random walk of the section's change [m per m, per square root of m]; a start, then taken from the data.
         wander: Random walk of the section's values [m per square root of m].
-        shape: What the rings' shapes are trusted to all along a survey [m]: noise bends a fitted ellipse by its
-            variance over the radius, a few thousandths of a millimetre, and that does not average out.
         turning: No inertial log: random walk of the robot's attitude [rad per square root of m]; a start.
+        unsure: Factor, one-sigma, to which the starts of what is taken from the data are known beforehand.
         tails: Degrees of freedom of Student's t by which outliers, slips, knocks and kinks are let through.
         kink_tails: The same for the pipe's direction: between joints it keeps it, at joints and in bends it does not.
         across_tails: The same for sideways creep: wheels in a bend are pushed aside.
@@ -53,8 +52,8 @@ class JointOptions:
     kink: float = 5e-4
     trend: float = 5e-4
     wander: float = 1e-5
-    shape: float = 3e-6
     turning: float = 0.1
+    unsure: float = 3.0
     tails: float = 4.0
     kink_tails: float = 1.0
     across_tails: float = 4.0

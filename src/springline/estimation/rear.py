@@ -74,6 +74,8 @@ class Rear:
 class RearFactor(Factor):
     """The factor of rear rings; derivatives come from the compiled kernel of rings."""
 
+    many = True
+
     def __init__(self, problem: Problem, creep: Factor | None, rows: slice | None = None) -> None:
         """Make the factor.
 
@@ -181,14 +183,6 @@ class RearFactor(Factor):
         seconds = base * float(np.median(np.diff(rings.time) / np.diff(rings.distance)))
         turning = own.gyro_noise**2 * seconds * base**2 / 3.0
         return alike * ((across**2 + own.along**2 * tilt) * base + turning)
-
-    def slip_information(self, state: State) -> float:
-        """Return what the pairs of rings alone tell of the side-slip: one over its variance [1/rad2]."""
-        if not len(self._all) or self._problem.track is None:
-            return 0.0
-        own = self._problem.rear.rings.covariance[self._all][:, [0, 1], [0, 1]].mean()
-        pairs = (2.0 * own + self.astray(state)) / (len(self._all) * self._arm[0] ** 2)
-        return 1.0 / (pairs + self._problem.rear.sigma**2)
 
     def misfit(self, state: State) -> tuple[float, float]:
         """Return the median squares of the residuals of centre and shape over those of normal noise; NaN unasked."""

@@ -6,7 +6,7 @@ with the border, H is the border's own. Memory and time grow with the number of 
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 
 import numpy as np
 
@@ -46,6 +46,10 @@ class Normal:
             np.zeros((knots, block)),
             np.zeros(scalars),
         )
+
+    def copy(self) -> Normal:
+        """Return equations that may be used up."""
+        return Normal(*(getattr(self, field.name).copy() for field in fields(self)))
 
 
 @dataclass

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 from numba import njit
@@ -35,7 +35,10 @@ class Factor:
         tails: Degrees of freedom of Student's t for each group; 0 = normal with a limit beyond which weight falls.
         scale: One-sigma of each group against the one stated, by which its residuals are divided.
         tuned: Whether each group's scale is taken from the data.
+        many: Whether its residuals are too many to be held: their weights are those of the state until the next one.
     """
+
+    many: ClassVar[bool] = False
 
     name: str
     interval: np.ndarray
@@ -63,11 +66,15 @@ class Factor:
         for k, column in enumerate(self.columns):
             step = DERIVATIVE_STEPS[column]
             slopes[..., k] = (self.residual(*_moved(before, after, state.scalars, column, step)) - now) / step
-        weight = np.empty_like(now)
+        return Linear(self, now, slopes, self.weights(now))
+
+    def weights(self, residual: np.ndarray) -> np.ndarray:
+        """Return the robust weights (n, r) of residuals (n, r)."""
+        weight = np.empty_like(residual)
         for rows, tail, scale in zip(self.groups, self.tails, self.scale, strict=True):
-            square = np.sum((now[:, rows] / scale) ** 2, axis=1)
+            square = np.sum((residual[:, rows] / scale) ** 2, axis=1)
             weight[:, rows] = (robust_weight(square, rows.stop - rows.start, tail) / scale**2)[:, None]
-        return Linear(self, now, slopes, weight)
+        return weight
 
 
 @dataclass
@@ -95,12 +102,16 @@ class Linear:
             normal.right_corner,
         )
 
-    def asked(self, found: Factored) -> np.ndarray:
-        """Return the logarithm of the change that each group's scale asks for (g,); 0 where it is not tuned.
+    def after(self, found: Factored) -> np.ndarray:
+        """Return the residuals (n, r) after the step that was found, were the equations linear."""
+        return _after(self.factor.interval, self.factor.columns, self.residual, self.slopes, found.knots, found.scalars)
 
-        A scale is right when what is left over equals the number of residuals less what the estimate itself explains.
+    def balance(self, found: Factored, residual: np.ndarray) -> np.ndarray:
+        """Return by group (g, 2): weighted squares that are left over, and how many residuals are free.
+
+        These are the residuals less what the estimate itself explains; a noise is right when the two are equal.
         """
-        out = np.zeros(len(self.factor.groups))
+        out = np.zeros((len(self.factor.groups), 2))
         if not any(self.factor.tuned):
             return out
         used = _used(
@@ -113,12 +124,9 @@ class Linear:
             found.border,
             found.corner,
         )
-        for k, (rows, tuned) in enumerate(zip(self.factor.groups, self.factor.tuned, strict=True)):
-            if tuned:
-                weight = self.weight[:, rows]
-                left = float(np.sum(weight * self.residual[:, rows] ** 2))
-                free = max(weight.size - float(np.sum(used[:, rows])), 1.0)
-                out[k] = 0.5 * np.log(max(left, 1e-12) / free)
+        for k, rows in enumerate(self.factor.groups):
+            weight = self.weight[:, rows]
+            out[k] = np.sum(weight * residual[:, rows] ** 2), weight.size - np.sum(used[:, rows])
         return out
 
 
@@ -193,6 +201,20 @@ def _add(interval, columns, residual, slopes, weight, diagonal, beside, border, 
                         diagonal[k + 1, a - block, b - block] += product
                     elif a >= 2 * block and b >= 2 * block:
                         corner[a - 2 * block, b - 2 * block] += product
+
+
+@njit(cache=True)
+def _after(interval, columns, residual, slopes, knots, scalars):
+    """Return residual + J step (n, r)."""
+    block = knots.shape[1]
+    out = residual.copy()
+    for n in range(len(interval)):
+        for i in range(len(columns)):
+            a = columns[i]
+            step = knots[interval[n] + a // block, a % block] if a < 2 * block else scalars[a - 2 * block]
+            for r in range(residual.shape[1]):
+                out[n, r] += slopes[n, r, i] * step
+    return out
 
 
 @njit(cache=True)

@@ -28,7 +28,10 @@ def odometry(knots: Places, along: np.ndarray, across: float, tails: float, acro
     def residual(before, after, scalars):
         middle = 0.5 * (before[:, TILT] + after[:, TILT])
         expected = way(knots.span, knots.span_by_clock, middle, scalars, knots)
-        error = before[:, AXIS] + off_axis(after) - off_axis(before) - expected
+        # What the track does not know of the robot's turning, the inertial error does: the lever turns with it.
+        lever = knots.axes @ (np.asarray(knots.lever) + np.array([scalars[LEVER], scalars[LEVER_UP], 0.0]))
+        swung = np.cross(after[:, TILT] - before[:, TILT], rotate(middle, lever))
+        error = before[:, AXIS] + off_axis(after) - off_axis(before) - expected - swung
         robot = [dot(error, rotate(middle, knots.axes[..., k])) for k in range(3)]
         return np.stack([robot[0] / along, robot[1] / across, robot[2] / across], axis=1)
 

@@ -24,6 +24,8 @@ WINDOW = 4096
 class RingFactor(Factor):
     """The factor of rings; its derivatives come from the compiled kernel."""
 
+    many = True
+
     def __init__(
         self,
         places: Callable[[slice], Places],
