@@ -81,7 +81,7 @@ def test_every_part(folder):
     np.testing.assert_allclose(rings["range"][0], [0.151, 0.150, 0.153, 0.152], rtol=1e-6)
     assert rings.attrs["sensor_kind"] == "ring-laser"
     assert rings.attrs["range_noise"] == pytest.approx(4e-4)
-    assert (rings.attrs["offset_x"], rings.attrs["offset_y"]) == (pytest.approx(0.35), pytest.approx(-0.012))
+    assert (rings.attrs["position_x"], rings.attrs["position_y"]) == (pytest.approx(0.35), pytest.approx(-0.012))
     assert rings.attrs["boresight_yaw"] == pytest.approx(math.radians(-0.5))
     np.testing.assert_allclose(survey.inertial["gyro"][0], [0.01, 0.02, math.pi / 2])
     np.testing.assert_allclose(survey.inertial["accel"][0], [0.1, 9.80665, 0.3])
@@ -109,7 +109,7 @@ def test_every_part_survives(store, folder, tmp_path):
                 np.testing.assert_allclose(other, values.values, atol=5.1e-6, rtol=1e-11)
             else:
                 assert list(other) == list(values.values)
-        for key in ("offset_y", "boresight_yaw", "range_noise", "sensor_kind", "lens"):
+        for key in ("position_x", "position_y", "boresight_yaw", "range_noise", "sensor_kind", "lens"):
             assert back.group(group).attrs.get(key) == pytest.approx(survey.group(group).attrs.get(key))
     for key in ("name", "nominal_diameter", "base_diameter", "material", "date", "direction", "crs"):
         assert back.attrs[key] == survey.attrs[key]

@@ -135,5 +135,5 @@ SURVEY_SENSOR_KEYS = {
     "boresight_roll_deg": "zero reading against its nominal bearing, from robot z towards robot y",
     "range_scale_applied": "range scale by which the ranges were divided already, when a calibration was applied",
 }
-"""Keys of the table `[sensor]` of `survey.toml`; lengths are stored as attributes of `/rings` in m, angles in rad
-without the `_deg`."""
+"""Keys of the table `[sensor]` of `survey.toml`; lengths are stored as attributes of `/rings` in m, those of `offset_`
+as `position_`, angles in rad without the `_deg`."""

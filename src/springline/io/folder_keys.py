@@ -37,7 +37,7 @@ class FolderKeys:
     Args:
         attrs: Root attributes of the survey.
         parts: File name by part.
-        sensor: Attributes of `/rings`: kind, bearings, noise [m], offsets [m], boresight angles [rad].
+        sensor: Attributes of `/rings`: kind, bearings, noise [m], position [m], boresight angles [rad].
         lens: Lens models by name, as they stand.
         units: Unit by quantity.
     """
@@ -96,7 +96,7 @@ def _sensor(table: dict[str, Any], path: Path) -> dict[str, Any]:
                 raise InputError(f"{value!r} is not {kind}", where=f"{path}, {place}", expected=wanted)
             attrs[key.removesuffix("_deg")] = radians(value) if key.endswith("_deg") else float(value)
         else:
-            attrs[key] = _length(value, path, place, signed=key.startswith("offset"))
+            attrs[key.replace("offset", "position")] = _length(value, path, place, signed=key.startswith("offset"))
     return attrs
 
 

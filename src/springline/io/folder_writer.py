@@ -70,7 +70,7 @@ def _sensor(rings: xr.Dataset) -> dict[str, Any]:
     if not rings.attrs.get("bearing_assumed"):
         table = {"bearing_zero": "right", "bearing_sense": "ccw"}
     for key in SURVEY_SENSOR_KEYS:
-        stored = "sensor_kind" if key == "kind" else key.removesuffix("_deg")
+        stored = "sensor_kind" if key == "kind" else key.removesuffix("_deg").replace("offset", "position")
         if key.startswith("bearing") or stored not in rings.attrs:
             continue
         value = rings.attrs[stored]

@@ -88,7 +88,7 @@ def boresight(rings: xr.Dataset) -> np.ndarray:
 
 def _lever(attrs: dict[str, object]) -> tuple[float, float, float]:
     """Return where the sensor stands from the robot's middle [m]: ahead, above, to the right."""
-    x, y, z = (float(attrs.get(f"position_{k}", attrs.get(f"offset_{k}", 0.0))) for k in _POSITION)
+    x, y, z = (float(attrs.get(f"position_{k}", 0.0)) for k in _POSITION)
     return x, y, z
 
 

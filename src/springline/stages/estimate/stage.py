@@ -117,7 +117,7 @@ def _refuse_nothing(survey: Survey, fitted: Fitted) -> None:
 
 def _start(rings: xr.Dataset) -> float:
     """Return the chainage of the first ring [m]: counted from where the odometer read zero, the sensor ahead of it."""
-    ahead = rings.attrs.get("position_x", rings.attrs.get("offset_x", 0.0))
+    ahead = rings.attrs.get("position_x", 0.0)
     return float(rings["distance"].values[0]) + float(ahead)
 
 
