@@ -115,6 +115,15 @@ def test_every_part_survives(store, folder, tmp_path):
         assert back.attrs[key] == survey.attrs[key]
 
 
+@pytest.mark.parametrize(
+    ("text", "metres"),
+    [("0.35 m", 0.35), ("-0.35 m", -0.35), ("+.5m", 0.5), ("0mm", 0.0), ("-0 in", 0.0), ("- 2cm", -0.02)],
+)
+def test_a_place_has_its_sign(text, metres, folder):
+    (folder / "survey.toml").write_text((folder / "survey.toml").read_text().replace("350 mm", text))
+    assert sl.read(folder).rings.attrs["position_x"] == pytest.approx(metres)
+
+
 def test_the_users_word_wins(folder):
     survey = sl.read(folder, bearing_zero="right", bearing_sense="ccw", name="other", nominal_diameter=0.25)
     np.testing.assert_allclose(survey.rings["range"][0], [0.150, 0.151, 0.152, 0.153], rtol=1e-6)

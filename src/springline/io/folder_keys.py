@@ -149,19 +149,7 @@ def _length(value: Any, path: Path, key: str, *, signed: bool = False) -> float:
             where=f"{path}, {key}",
             expected="a length with its unit in quotes, such as '300mm'",
         )
-    text = value.strip()
-    if signed and (text.startswith("-") or text.lstrip("+")[:1] == "0"):
-        bare = text.lstrip("+-")
-        return -length(bare, where=f"{path}, {key}") if float_part(bare) else 0.0
-    return length(text, where=f"{path}, {key}")
-
-
-def float_part(text: str) -> float:
-    """Return the number at the start of a length; 1 when there is none, so that `length` explains what is wrong."""
-    try:
-        return float(text.rstrip("mcinft "))
-    except ValueError:
-        return 1.0
+    return length(value, where=f"{path}, {key}", signed=signed)
 
 
 def _date(value: Any, path: Path) -> str:
