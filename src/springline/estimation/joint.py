@@ -166,7 +166,7 @@ def _told(
             f"Rings differ from ellipses {np.sqrt(misfit):.1f} times more than their noise: the section has a shape "
             "of its own, or the readings are noisier than they seem. Sigmas are widened by as much."
         )
-    if problem.rear is not None:
+    if problem.rear is not None and problem.track is not None:
         warnings += _of_rear(problem, solution)
     if not solution.converged:
         warnings.append(f"The joint estimate had not come to rest after {solution.iterations} steps.")
@@ -186,7 +186,7 @@ def _told(
 
 def _of_rear(problem: Problem, solution: Solution) -> list[str]:
     """Return what must be said of the rear scanner."""
-    apart = RearFactor(problem, None).misfit(solution.state)[1]
+    apart = RearFactor(problem, None).misfit(solution.state)
     if not apart > _MISFIT:
         return []
     return [

@@ -18,7 +18,7 @@ from .factors.rings import RingFactor
 from .factors.section import section
 from .factors.sensor import Places
 from .options import JointOptions
-from .rear import Rear, RearFactor
+from .rear import Rear, rear_factor
 from .solver import Threads
 from .states import (
     ACCEL,
@@ -130,12 +130,13 @@ class Problem:
             starts = self.places(self.knots[:-1], clock, every)
             root = np.sqrt(self.step)
             along = np.hypot(own.along * root, _SPUN * self._spun)
-            out.append(odometry(starts, along, own.across * root, own.tails, own.across_tails))
+            # Without a log it is a rear scanner that tells the attitude, if anything does.
+            swings = self.track is None and self.rear is not None
+            out.append(odometry(starts, along, own.across * root, own.tails, own.across_tails, swings=swings))
             # Creep and wander of an attitude that nothing else tells cannot both be taken from the data.
-            out[-1].tuned = (False, self.track is not None)
+            out[-1].tuned = (False, self.track is not None or swings)
         if self.rear is not None:
-            creep = next((one for one in out if one.name == "odometry"), None)
-            out.append(RearFactor(self, creep))
+            out.append(rear_factor(self, out[-1] if self.rings.odometer else None))
         out += self._inertial if self.track is not None else self._blind(intervals)
         value = np.zeros(SCALARS)
         value[ORIGIN] = self.origin

@@ -17,10 +17,11 @@ import numpy as np
 
 from ..errors import InputError
 from .data import Rings
-from .factors.base import Factor, Linear, robust_weight
+from .factors.base import Factor, Linear, local_columns, robust_weight
 from .factors.rings import COLUMNS, WINDOW
 from .factors.sensor import Places
-from .states import BASE_RIGHT, BASE_UP, BLOCK, CLOCK, OFFSET, SCALE, State, place
+from .rotations import dot, pipe_frame, rotate
+from .states import BASE_RIGHT, BASE_UP, BLOCK, CLOCK, DIRECTION, OFFSET, SCALE, TILT, State, place
 from .torus import added_at
 
 if TYPE_CHECKING:
@@ -30,8 +31,6 @@ NAME = "rings_rear"
 _SHORTEST = 0.02
 _STEP = 1e-6
 _BASE = np.array([2 * BLOCK + BASE_UP, 2 * BLOCK + BASE_RIGHT])
-_FREE = 1e6
-"""Factor on the variance of what is not asked of a ring."""
 _NORMAL = 0.4549
 """Median of a squared standard normal."""
 
@@ -89,9 +88,7 @@ class RearFactor(Factor):
         self._problem, self._creep = problem, creep
         rear, knots = problem.rear.rings, problem.knots
         self._arm = problem.rear.arm(problem.rings)
-        # Seen now, or a baseline ago: where the section is that the ring shows.
-        self._behind = self._arm[0] if problem.track is not None else 0.0
-        at = rear.distance + self._behind
+        at = rear.distance + self._arm[0]
         within = rear.seen & (at >= knots[0]) & (at <= knots[-1])
         within &= (rear.distance >= knots[0]) & (rear.distance <= knots[-1])
         self._all = np.flatnonzero(within)
@@ -122,15 +119,13 @@ class RearFactor(Factor):
         shown, slopes = at.evaluate(0, state, COLUMNS)
         turned = [self._places(chosen, state, _STEP * one).evaluate(0, state, COLUMNS[:0])[0] for one in np.eye(2)]
         base = np.stack([(other - shown) / _STEP for other in turned], axis=2)
-        if self._problem.track is not None:
-            shown = shown + added_at(at, state)
-        return at, shown, np.concatenate([slopes, base], axis=2)
+        return at, shown + added_at(at, state), np.concatenate([slopes, base], axis=2)
 
     def _places(self, chosen: np.ndarray, state: State, turned: np.ndarray) -> Places:
         """Return the rear scanner's places, told from the knots beside the section that each ring shows."""
         problem, clock = self._problem, float(state.scalars[CLOCK])
         taken = problem.rear.rings.distance[chosen]
-        interval, share = place(taken + self._behind, problem.knots)
+        interval, share = place(taken + self._arm[0], problem.knots)
         first = int(interval.min())
         around = problem.knots[first : int(interval.max()) + 2]
         marks = problem.marks(np.concatenate([around, taken]), clock)
@@ -159,10 +154,6 @@ class RearFactor(Factor):
         """Return the covariance of the ellipses (n, 5, 5) with that of the way between the two scanners' rings."""
         out = self._problem.rear.rings.covariance[chosen].copy()
         out[:, [0, 1], [0, 1]] += self.astray(state)
-        if self._problem.track is None:
-            # The section is that of a baseline ago, where the robot stood otherwise: only the centre is used.
-            out[:, :2, 2:] = out[:, 2:, :2] = 0.0
-            out[:, 2:, 2:] *= _FREE
         return out
 
     def astray(self, state: State) -> float:
@@ -171,11 +162,7 @@ class RearFactor(Factor):
         Neighbouring rings share it, so each counts for as many as lie within a baseline.
         """
         problem, own, base = self._problem, self._problem.options, abs(self._arm[0])
-        distance = problem.rear.rings.distance
-        alike = max(base / float(np.median(np.diff(distance))), 1.0)
-        if problem.track is None:
-            # Both centres are seen at once; but the pipe bends in between, and its axis walks from its tangent.
-            return alike * own.kink**2 * base**3 / 3.0
+        alike = _alike(problem.rear.rings, base)
         across = own.across * (1.0 if self._creep is None else float(self._creep.scale[1]))
         slope = np.diff(state.knots[:, OFFSET], axis=0) / problem.step
         tilt = float(np.mean(np.sum(slope**2, axis=1)))
@@ -184,10 +171,41 @@ class RearFactor(Factor):
         turning = own.gyro_noise**2 * seconds * base**2 / 3.0
         return alike * ((across**2 + own.along**2 * tilt) * base + turning)
 
-    def misfit(self, state: State) -> tuple[float, float]:
-        """Return the median squares of the residuals of centre and shape over those of normal noise; NaN unasked."""
-        parts = [part.linearise(state).residual for part in self.windows()]
-        if not parts:
-            return np.nan, np.nan
-        square = np.median(np.concatenate(parts) ** 2, axis=0) / _NORMAL
-        return float(square[:2].max()), float(square[2:].max()) if self._problem.track is not None else np.nan
+    def misfit(self, state: State) -> float:
+        """Return the median square of the residuals of shape over that of normal noise; NaN without rings."""
+        parts = [part.linearise(state).residual[:, 2:] for part in self.windows()]
+        return float(np.median(np.concatenate(parts) ** 2) / _NORMAL) if parts else np.nan
+
+
+def rear_factor(problem: Problem, creep: Factor | None) -> Factor:
+    """Return the factor of the rear rings: with a track from the section that both saw, else from the chord."""
+    return RearFactor(problem, creep) if problem.track is not None else _chord(problem)
+
+
+def _chord(problem: Problem) -> Factor:
+    """Return the factor that lays the rear rings' centres on the straight axis abreast of the front scanner."""
+    rear, knots = problem.rear.rings, problem.knots
+    arm = problem.rear.arm(problem.rings)
+    chosen = np.flatnonzero(rear.seen & (rear.distance >= knots[0]) & (rear.distance <= knots[-1]))
+    interval, share = place(rear.distance[chosen], knots)
+    axes = problem.marks(rear.distance[chosen], 0.0).axes
+    mounted, centre = axes @ problem.rear.mounting, rear.parameters[chosen, :2]
+    # The pipe bends in between, and its axis walks from its tangent; neighbouring rings share that.
+    walk = _alike(rear, abs(arm[0])) * problem.options.kink**2 * abs(arm[0]) ** 3 / 3.0
+    sigma = np.sqrt(rear.covariance[chosen][:, [1, 0], [1, 0]] + walk)
+    seen = mounted[..., 2] * centre[:, :1] + mounted[..., 1] * centre[:, 1:]
+
+    def residual(before, after, scalars):
+        here = before + share[:, None] * (after - before)
+        way = arm + arm[0] * np.array([0.0, scalars[BASE_UP], scalars[BASE_RIGHT]])
+        _, y, z = pipe_frame(here[:, DIRECTION.start], here[:, DIRECTION.start + 1])
+        far = rotate(here[:, TILT], axes @ way + seen)
+        return (here[:, OFFSET] + np.stack([dot(far, y), dot(far, z)], axis=1)) / sigma
+
+    columns = local_columns(OFFSET, TILT, DIRECTION, scalars=(BASE_UP, BASE_RIGHT))
+    return Factor(NAME, interval, columns, residual, (slice(0, 2),))
+
+
+def _alike(rings: Rings, length: float) -> float:
+    """Return how many rings lie within a length, one at least."""
+    return max(length / float(np.median(np.diff(rings.distance))), 1.0)

@@ -14,7 +14,9 @@ COLUMNS = local_columns(
 )
 
 
-def odometry(knots: Places, along: np.ndarray, across: float, tails: float, across_tails: float) -> Factor:
+def odometry(
+    knots: Places, along: np.ndarray, across: float, tails: float, across_tails: float, *, swings: bool = False
+) -> Factor:
     """Return the factor that closes the sensor's way from knot to knot.
 
     Args:
@@ -23,15 +25,18 @@ def odometry(knots: Places, along: np.ndarray, across: float, tails: float, acro
         across: One-sigma across it, up and to the right [m]; taken from the data from there on.
         tails: Of Student's t along the way, for slips.
         across_tails: The same across it, for knocks and for axles that the wall of a bend pushes aside.
+        swings: Whether the track does not know how the robot turns, so that its error does: the sensor's lever turns
+            with that.
     """
 
     def residual(before, after, scalars):
         middle = 0.5 * (before[:, TILT] + after[:, TILT])
         expected = way(knots.span, knots.span_by_clock, middle, scalars, knots)
-        # What the track does not know of the robot's turning, the inertial error does: the lever turns with it.
-        lever = knots.axes @ (np.asarray(knots.lever) + np.array([scalars[LEVER], scalars[LEVER_UP], 0.0]))
-        swung = np.cross(after[:, TILT] - before[:, TILT], rotate(middle, lever))
-        error = before[:, AXIS] + off_axis(after) - off_axis(before) - expected - swung
+        error = before[:, AXIS] + off_axis(after) - off_axis(before) - expected
+        if swings:
+            lever = np.asarray(knots.lever) + np.array([scalars[LEVER], scalars[LEVER_UP], 0.0])
+            turned = rotate(middle, knots.axes @ lever)
+            error = error - np.cross(after[:, TILT] - before[:, TILT], turned)
         robot = [dot(error, rotate(middle, knots.axes[..., k])) for k in range(3)]
         return np.stack([robot[0] / along, robot[1] / across, robot[2] / across], axis=1)
 
