@@ -77,7 +77,11 @@ def estimate(survey: Survey, config: Config) -> Survey:
         return _explain_alone(survey, counter).with_group("pose", pose).with_group("section", section)
     survey = _explain_joint(survey, joint)
     survey = survey.with_group("pose", groups.pose_of_joint(joint)).with_group("section", section)
-    return survey if "axis" in joint.why_missing else survey.with_group("layout", layout(survey, joint, _start(rings)))
+    return (
+        survey
+        if "axis" in joint.why_missing
+        else survey.with_group("layout", layout(survey, joint, float(_counted(rings)[0])))
+    )
 
 
 def _at_rest(joint: JointEstimate) -> JointEstimate:
@@ -115,18 +119,19 @@ def _refuse_nothing(survey: Survey, fitted: Fitted) -> None:
     )
 
 
-def _start(rings: xr.Dataset) -> float:
-    """Return the chainage of the first ring [m]: counted from where the odometer read zero, the sensor ahead of it."""
-    ahead = rings.attrs.get("position_x", 0.0)
-    return float(rings["distance"].values[0]) + float(ahead)
+def _counted(rings: xr.Dataset) -> np.ndarray:
+    """Return the chainage of each ring [m] as the counter has it: from where it read zero, the sensor ahead of it."""
+    return rings["distance"].values + float(rings.attrs.get("position_x", 0.0))
 
 
 def _alone(rings: xr.Dataset, fitted: Fitted, counter: float) -> dict:
     """Return what the rings say one by one; their chainage is as good as the counter's scale."""
     shape, covariance = fitted.parameters[:, 2:], fitted.covariance[:, 2:, 2:]
-    counted = rings.attrs.get("distance_source", "odometer") == "odometer"
+    counted = {}
+    if rings.attrs.get("distance_source", "odometer") == "odometer":
+        counted = {"chainage": _counted(rings), "chainage_sigma": counter * np.abs(rings["distance"].values)}
     return {
-        **({"chainage_sigma": counter * np.abs(rings["distance"].values)} if counted else {}),
+        **counted,
         "parameters": shape,
         "covariance": covariance,
         "centre_covariance": fitted.covariance[:, :2, :2],
@@ -157,7 +162,7 @@ def _together(rings: xr.Dataset, fitted: Fitted, joint: JointEstimate) -> dict:
         **_columns(fitted, shown),
     }
     if "chainage" not in joint.why_missing:
-        found |= {"chainage": _start(rings) + joint.chainage, "chainage_sigma": joint.chainage_sigma}
+        found |= {"chainage": _counted(rings)[0] + joint.chainage, "chainage_sigma": joint.chainage_sigma}
     return found
 
 
