@@ -14,7 +14,7 @@ from .iterate import Solution, iterate
 from .options import JointOptions
 from .problem import Problem
 from .profile import find_sags, joint_angles
-from .rear import Rear, RearFactor
+from .rear import Rear, RearFactor, crooked
 from .results import SCALAR_NAMES, JointEstimate, at_rings
 from .start import first_axis, first_state, heading_of, straight_state
 from .states import DIRECTION, State, knots_over
@@ -23,6 +23,7 @@ from .track import Track
 
 _FEWEST = 10
 _MISFIT = 1.5
+_OF_REAR = ("baseline_up", "baseline_right", "rear_scale")
 _ALONE = "rings alone show tilt to second order only: an odometer or an inertial log is needed"
 _NO_LOG = "without an inertial log nothing tells {}"
 
@@ -166,8 +167,8 @@ def _told(
             f"Rings differ from ellipses {np.sqrt(misfit):.1f} times more than their noise: the section has a shape "
             "of its own, or the readings are noisier than they seem. Sigmas are widened by as much."
         )
-    if problem.rear is not None and problem.track is not None:
-        warnings += _of_rear(problem, solution)
+    if problem.rear is not None:
+        warnings += _of_rear(problem, solution, values)
     if not solution.converged:
         warnings.append(f"The joint estimate had not come to rest after {solution.iterations} steps.")
     return JointEstimate(
@@ -184,14 +185,22 @@ def _told(
     )
 
 
-def _of_rear(problem: Problem, solution: Solution) -> list[str]:
-    """Return what must be said of the rear scanner."""
+def _of_rear(problem: Problem, solution: Solution, values: dict[str, np.ndarray]) -> list[str]:
+    """Return what must be said of the rear scanner; `values` get what an unknown bend between the scanners adds."""
+    if problem.track is None:
+        if not problem.rings.odometer:
+            return []
+        bent = crooked(problem, solution.state)
+        for k in (0, 1):
+            values["pose_covariance"][:, 2 + k, 2 + k] += bent[:, k] ** 2
+        count = int(bent.any(axis=1).sum())
+        return [f"The pipe bends between the two scanners at {count} rings: tilt is in doubt there."] if count else []
     apart = RearFactor(problem, None).misfit(solution.state)
     if not apart > _MISFIT:
         return []
     return [
-        f"Front and rear rings differ about the section {np.sqrt(apart):.1f} times more than their noise: their scales "
-        "or their places on the robot are not what was stated."
+        f"Front and rear rings differ about the section {np.sqrt(apart):.1f} times more than their noise: how the two "
+        "scanners stand on the robot is not what was stated."
     ]
 
 
@@ -218,11 +227,9 @@ def _scalars(problem: Problem, solution: Solution) -> dict[str, tuple[float, flo
     """Return value and one-sigma of every scalar; NaN where the given measurements have no part in it."""
     state = solution.state
     corner = np.sqrt(np.diag(solution.covariance.corner))
-    told = (
-        set(SCALAR_NAMES) if problem.track is not None else {"slip_up", "slip_right", "baseline_up", "baseline_right"}
-    )
+    told = set(SCALAR_NAMES) if problem.track is not None else {"slip_up", "slip_right", *_OF_REAR}
     if problem.rear is None:
-        told -= {"baseline_up", "baseline_right"}
+        told -= {*_OF_REAR}
     out = {
         name: (float(state.scalars[k]), float(corner[k])) if name in told else (np.nan, np.nan)
         for name, k in SCALAR_NAMES.items()
@@ -238,7 +245,7 @@ def _missing(problem: Problem) -> dict[str, str]:
     if problem.track is None:
         why["roll"] = _NO_LOG.format("which way is up; the section is drawn as the sensor holds it")
         why["axis"] = why["gradient"] = _NO_LOG.format("how the pipe turns and falls")
-        if not problem.rings.odometer and problem.rear is None:
+        if not problem.rings.odometer:
             why["pitch"] = why["yaw"] = _ALONE
     elif problem.ties is None:
         why["north"] = "no ties: the layout starts at its first ring, heading as the robot did"

@@ -32,6 +32,7 @@ from .states import (
     LEVER,
     LEVER_UP,
     ORIGIN,
+    REAR_SCALE,
     SCALARS,
     SCALE,
     SLIP_RIGHT,
@@ -210,6 +211,7 @@ class Problem:
             own.clock,
         )
         sigma[[BASE_UP, BASE_RIGHT]] = _FIXED if self.rear is None else self.rear.sigma
+        sigma[REAR_SCALE] = _FIXED if self.rear is None else self.rear.scale
         sigma[ORIGIN] = 1.0 if self.ties is not None else 1e-6
         if self.track is None:
             sigma[[*range(GYRO.start, ACCEL.stop), CLOCK, SCALE]] = _FIXED

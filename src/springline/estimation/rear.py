@@ -14,6 +14,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 import numpy as np
+from scipy.ndimage import maximum_filter1d, uniform_filter1d
 
 from ..errors import InputError
 from .data import Rings
@@ -21,7 +22,7 @@ from .factors.base import Factor, Linear, local_columns, robust_weight
 from .factors.rings import COLUMNS, WINDOW
 from .factors.sensor import Places
 from .rotations import dot, pipe_frame, rotate
-from .states import BASE_RIGHT, BASE_UP, BLOCK, CLOCK, DIRECTION, OFFSET, SCALE, TILT, State, place
+from .states import BASE_RIGHT, BASE_UP, BLOCK, CLOCK, DIRECTION, OFFSET, REAR_SCALE, SCALE, TILT, State, place
 from .torus import added_at
 
 if TYPE_CHECKING:
@@ -29,8 +30,9 @@ if TYPE_CHECKING:
 
 NAME = "rings_rear"
 _SHORTEST = 0.02
+_SIGMAS = 4.0
 _STEP = 1e-6
-_BASE = np.array([2 * BLOCK + BASE_UP, 2 * BLOCK + BASE_RIGHT])
+_OWN = 2 * BLOCK + np.array([BASE_UP, BASE_RIGHT, REAR_SCALE])
 _NORMAL = 0.4549
 """Median of a squared standard normal."""
 
@@ -42,16 +44,19 @@ class Rear:
     Attributes:
         rings: By odometer and time as those of the front, each with its ellipse; `lever` is the rear scanner's place.
         sigma: One-sigma of the direction from the rear scanner's centre to the front's, as the levers state it [rad].
+        scale: One-sigma of its ranges over those of the front scanner.
         mounting: The rear scanner's axes x, y, z in columns, on the front scanner's (3, 3).
     """
 
     rings: Rings
     sigma: float
+    scale: float = 0.005
     mounting: np.ndarray = field(default_factory=lambda: np.eye(3))
 
     def __post_init__(self) -> None:
-        if not self.sigma > 0.0:
-            raise InputError(f"rear.sigma is {self.sigma}", expected="a one-sigma above zero [rad]")
+        for name, value in (("sigma", self.sigma), ("scale", self.scale)):
+            if not value > 0.0:
+                raise InputError(f"rear.{name} is {value}", expected="a one-sigma above zero")
 
     def arm(self, front: Rings) -> np.ndarray:
         """Return the way from the front scanner to the rear one on the front's axes [m] (3,).
@@ -83,7 +88,7 @@ class RearFactor(Factor):
             creep: Factor of the odometry, whose second group is what the robot strays across its way.
             rows: Which of the rear rings that show a section between the knots; all unless given.
         """
-        columns = np.concatenate([COLUMNS, _BASE])
+        columns = np.concatenate([COLUMNS, _OWN])
         super().__init__(NAME, np.arange(0), columns, None, (slice(0, 2), slice(2, 5)))
         self._problem, self._creep = problem, creep
         rear, knots = problem.rear.rings, problem.knots
@@ -118,8 +123,10 @@ class RearFactor(Factor):
         at = self._places(chosen, state, np.zeros(2))
         shown, slopes = at.evaluate(0, state, COLUMNS)
         turned = [self._places(chosen, state, _STEP * one).evaluate(0, state, COLUMNS[:0])[0] for one in np.eye(2)]
-        base = np.stack([(other - shown) / _STEP for other in turned], axis=2)
-        return at, shown + added_at(at, state), np.concatenate([slopes, base], axis=2)
+        base = [(other - shown) / _STEP for other in turned]
+        shown, scaled = shown + added_at(at, state), 1.0 + state.scalars[REAR_SCALE]
+        own = np.stack([*(scaled * one for one in base), shown], axis=2)
+        return at, scaled * shown, np.concatenate([scaled * slopes, own], axis=2)
 
     def _places(self, chosen: np.ndarray, state: State, turned: np.ndarray) -> Places:
         """Return the rear scanner's places, told from the knots beside the section that each ring shows."""
@@ -204,6 +211,26 @@ def _chord(problem: Problem) -> Factor:
 
     columns = local_columns(OFFSET, TILT, DIRECTION, scalars=(BASE_UP, BASE_RIGHT))
     return Factor(NAME, interval, columns, residual, (slice(0, 2),))
+
+
+def crooked(problem: Problem, state: State) -> np.ndarray:
+    """Return how far the pipe bends between the two scanners where no log tells it: up and right at each ring (n, 2).
+
+    The chord's tilt against that of the sensor's drift, at its worst within a baseline; 0 where they agree as usual.
+
+    Args:
+        problem: Without a track, with an odometer and rear rings.
+        state: The estimate.
+    """
+    factor = problem.factors(0.0, np.zeros((len(problem.rings.distance), 5)))["odometry"]
+    across = factor.residual(state.knots[:-1], state.knots[1:], state.scalars)[:, 1:]
+    tilt = across * problem.options.across / np.sqrt(problem.step)
+    within = max(round(abs(problem.rear.arm(problem.rings)[0]) / problem.step), 1)
+    mean = uniform_filter1d(tilt, within, axis=0, mode="nearest")
+    usual = _SIGMAS * 1.4826 * np.median(np.abs(mean - np.median(mean, axis=0)), axis=0)
+    interval, _ = place(problem.rings.distance, problem.knots)
+    worst = maximum_filter1d(np.where(np.abs(mean) > usual, np.abs(mean), 0.0), within, axis=0, mode="nearest")
+    return worst[interval]
 
 
 def _alike(rings: Rings, length: float) -> float:

@@ -13,7 +13,20 @@ from .factors.rings import WINDOW
 from .iterate import Solution
 from .problem import Problem
 from .profile import Deflection, Sag
-from .states import ACCEL, AXLES, BASE_RIGHT, BASE_UP, CLOCK, GYRO, LEVER, LEVER_UP, SCALE, SLIP_RIGHT, SLIP_UP
+from .states import (
+    ACCEL,
+    AXLES,
+    BASE_RIGHT,
+    BASE_UP,
+    CLOCK,
+    GYRO,
+    LEVER,
+    LEVER_UP,
+    REAR_SCALE,
+    SCALE,
+    SLIP_RIGHT,
+    SLIP_UP,
+)
 from .torus import bend_terms
 
 SCALAR_NAMES = {
@@ -32,6 +45,7 @@ SCALAR_NAMES = {
     "clock_offset": CLOCK,
     "baseline_up": BASE_UP,
     "baseline_right": BASE_RIGHT,
+    "rear_scale": REAR_SCALE,
 }
 """Scalars of a survey by name; see `states` for what each is."""
 

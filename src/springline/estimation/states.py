@@ -45,11 +45,13 @@ ORIGIN = slice(13, 16)
 """Point of the axis at the first knot, east, north, up in the working frame [m]."""
 BASE_UP, BASE_RIGHT = 16, 17
 """Direction from a rear scanner's centre to the front's against the one stated [rad], towards the robot's y and z."""
-SCALARS = 18
+REAR_SCALE = 18
+"""Ranges of a rear scanner over those of the front one, less one."""
+SCALARS = 19
 
 STEPS = np.full(BLOCK, 1e-6)
 """Steps of the numerical derivatives by each state of a knot."""
-SCALAR_STEPS = np.array([1e-7] * 3 + [1e-4] * 3 + [1e-6] * 6 + [1e-4] + [1e-6] * 5)
+SCALAR_STEPS = np.array([1e-7] * 3 + [1e-4] * 3 + [1e-6] * 6 + [1e-4] + [1e-6] * 6)
 """The same for the scalars."""
 
 
