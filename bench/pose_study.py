@@ -1,7 +1,7 @@
 """Do the joint estimate's 95 % intervals hold the truth? Many short simulated surveys, every one another pipe.
 
-Biases, scale, side-slip, clock and pipe are drawn anew for each run, biases from the priors that the estimator
-states. Quantities of a station are pooled over the stations of all runs; scalars of a survey over the runs. The table
+Biases, scale, clock and the odometer's noise are drawn anew for each run by the priors that the estimator states, and so
+are side-slip, the pipe's section, its joints and the place of its bend. Quantities of a station are pooled over the stations of all runs; scalars of a survey over the runs. The table
 goes into `docs/estimator.md`, between its marks. `SPRINGLINE_RUNS` says how many runs (default 200),
 `SPRINGLINE_FIRST` which seed comes first.
 """
@@ -30,9 +30,9 @@ gradient = -0.008
 start = [1000.0, 2000.0, 50.0]
 seed = {seed}
 run = [
-    {{ kind = "straight", length = 4.0 }},
+    {{ kind = "straight", length = {first} }},
     {{ kind = "bend", radius = 1.5, angle_deg = 22.5, towards = "right" }},
-    {{ kind = "straight", length = 7.4 }},
+    {{ kind = "straight", length = {rest} }},
 ]
 sag = [{{ chainage = 8.5, length = 5.0, depth = "25mm" }}]
 joints = {{ spacing = 2.5, spacing_sigma = "8mm", gap = "4mm", kink_sigma_deg = 0.1 }}
@@ -64,6 +64,7 @@ accel_noise = 0.0005
 clock_offset = {clock}
 [odometer]
 scale_error = {scale}
+noise = {noise}
 [ties]
 chainages = [0.25, 11.6]
 sigma = "10mm"
@@ -76,7 +77,8 @@ SAG = (8.5, 5.0)
 def run(seed: int, *, harmonic: bool = False) -> tuple[dict[str, np.ndarray], dict[str, float], dict[str, float]]:
     """Return errors over sigma: of stations by quantity, of scalars by name; and the scalars' plain errors."""
     rng, options = np.random.default_rng(seed), JointOptions()
-    scale, slip, clock = 0.005 * rng.standard_normal(), 0.3 * rng.standard_normal(), 0.02 * rng.standard_normal()
+    scale, slip = options.scale * rng.standard_normal(), 0.3 * rng.standard_normal()
+    clock, first = options.clock * rng.standard_normal(), rng.uniform(3.0, 5.0)
     gyro, accel = 10.0 * rng.standard_normal(3), options.accel_bias * rng.standard_normal(3)
     made = simulate(
         parse(
@@ -85,6 +87,9 @@ def run(seed: int, *, harmonic: bool = False) -> tuple[dict[str, np.ndarray], di
                 slip=slip,
                 clock=clock,
                 scale=scale,
+                noise=options.along,
+                first=first,
+                rest=11.4 - first,
                 gyro=", ".join(map(str, gyro)),
                 accel=", ".join(map(str, accel)),
                 period=rng.uniform(2.5, 9.0),
@@ -109,7 +114,7 @@ def run(seed: int, *, harmonic: bool = False) -> tuple[dict[str, np.ndarray], di
         bend = found.bends[0]
         off["bend angle"] = (bend.angle - np.radians(22.5), bend.angle_sigma)
         off["bend radius"] = (bend.radius - 1.5, bend.radius_sigma)
-        off["bend start"] = (bend.start + made.truth["ring_chainage"].values[0] - 4.0, bend.start_sigma)
+        off["bend start"] = (bend.start + made.truth["ring_chainage"].values[0] - first, bend.start_sigma)
     off |= true_sag(found, made.truth, axis)
     return (
         stations,

@@ -105,24 +105,27 @@ def _fit(at, direction, spread, first, last) -> Bend | None:
     def ramp(v):
         return v[2] + np.clip((at - v[0]) / (v[1] - v[0]), 0.0, 1.0) * v[3]
 
-    slopes = np.empty((len(at), 4))
+    slopes, step = np.empty((len(at), 4)), float(np.median(np.diff(at)))
     for _ in range(_STEPS):
         now = ramp(values)
+        # Knots round off the corners, and what is thought of straight runs beforehand draws in the bend's first turn.
+        clear = np.minimum(np.abs(at - values[0]), np.abs(at - values[1])) > step
+        used = clear if (clear & (at > values[0]) & (at < values[1])).sum() >= _FEWEST else np.ones(len(at), bool)
         for k in range(4):
             moved = values.copy()
             moved[k] += 1e-6
             slopes[:, k] = (ramp(moved) - now) / 1e-6
-        step = np.linalg.lstsq(slopes, seen - now, rcond=None)[0]
-        values = values + np.clip(step, -0.02, 0.02)
-        if np.abs(step).max() < 1e-8:
+        change = np.linalg.lstsq(slopes[used], (seen - now)[used], rcond=None)[0]
+        values = values + np.clip(change, -0.02, 0.02)
+        if np.abs(change).max() < 1e-8:
             break
-    left = seen - ramp(values)
-    inverse = np.linalg.pinv(slopes)
+    left = (seen - ramp(values))[used]
+    inverse, noise = np.linalg.pinv(slopes[used]), noise[np.ix_(used, used)]
     # What is left over beyond what the covariance says.
     rest = max(float(left @ left) / (len(left) - 4) - float(np.mean(np.diag(noise))), 0.0)
-    spread = inverse @ (noise + rest * np.eye(len(at))) @ inverse.T
+    spread = inverse @ (noise + rest * np.eye(len(left))) @ inverse.T
     # Knots round off the corners between them.
-    spread[[0, 1], [0, 1]] += (_CORNER * float(np.median(np.diff(at)))) ** 2
+    spread[[0, 1], [0, 1]] += (_CORNER * step) ** 2
     start, end, _, angle = values
     if end - start < 1e-3 or angle <= 0.0:
         return None

@@ -1,4 +1,4 @@
-"""The section: its values follow their trend, and the trend wanders."""
+"""The section: its values follow their trend, and the trend wanders; a wall that ovals keeps its perimeter."""
 
 from __future__ import annotations
 
@@ -11,7 +11,10 @@ COLUMNS = local_columns(SECTION, TREND)
 
 
 def section(intervals: int, step: float, trend: float, wander: float, tails: float) -> Factor:
-    """Return the factor that joins sections from knot to knot; mean radius apart from ovality.
+    """Return the factor that joins sections from knot to knot; perimeter apart from ovality.
+
+    The wall of a pipe that is pressed out of round bends and does not stretch, so that its mean radius shrinks by
+    (oval_cos^2 + oval_sin^2)/(4 mean_radius); what wanders is the radius of its perimeter.
 
     Args:
         intervals: How many.
@@ -29,8 +32,9 @@ def section(intervals: int, step: float, trend: float, wander: float, tails: flo
     whitener = np.linalg.inv(np.linalg.cholesky(spread))
 
     def residual(before, after, scalars):
-        value = after[:, SECTION] - before[:, SECTION] - step * before[:, TREND]
-        change = after[:, TREND] - before[:, TREND]
+        (value, trend), (later, later_trend) = _by_perimeter(before), _by_perimeter(after)
+        value = later - value - step * trend
+        change = later_trend - trend
         pairs = np.einsum("ij,njp->npi", whitener, np.stack([value, change], axis=1))
         return pairs.reshape(len(pairs), 6)
 
@@ -43,3 +47,12 @@ def section(intervals: int, step: float, trend: float, wander: float, tails: flo
         (tails,),
         (True, True, True),
     )
+
+
+def _by_perimeter(knots: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return radius of the perimeter, oval_cos and oval_sin of knots, and their trends (n, 3)."""
+    value, trend = knots[:, SECTION].copy(), knots[:, TREND].copy()
+    mean, oval = knots[:, SECTION.start, None], value[:, 1:]
+    value[:, 0] += np.sum(oval**2 / (4.0 * mean), axis=1)
+    trend[:, 0] += np.sum(oval * trend[:, 1:] / (2.0 * mean), axis=1)
+    return value, trend
