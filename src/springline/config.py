@@ -45,6 +45,9 @@ class SensorConfig(_Settings):
     """One-sigma of a reading [m]; estimated from the rings when not given."""
     counter_scale_sigma: Fraction = 0.005
     """Relative one-sigma of the odometer or cable counter, where nothing measures it: 1 % read as a 95 % bound."""
+    baseline_sigma: Positive = 1e-3
+    """One-sigma of the direction between two scanners on one robot [rad], where the survey does not state it: that of
+    mounts which hold their places to 0.3 mm over 0.4 m."""
 
 
 class RingsConfig(_Settings):
@@ -103,6 +106,17 @@ class DetectConfig(_Settings):
     """Bumps shallower than this share of the diameter are left out."""
     least_confidence: Fraction = 0.5
     """Features less probable than this are left out."""
+    every_frame: bool = False
+    """Look at every frame, not only at those in which geometry proposes something."""
+
+
+class TextureConfig(_Settings):
+    """Frames laid on the wall."""
+
+    lay: bool = True
+    """Whether they are, where the survey has frames, their lens and their distance."""
+    cell: Positive = 0.002
+    """Length and width of a cell [m]; larger where a long pipe would have more than eight million."""
 
 
 class MetricsConfig(_Settings):
@@ -129,6 +143,7 @@ class Config(_Settings):
     detect: DetectConfig = DetectConfig()
     liner: LinerConfig = LinerConfig()
     metrics: MetricsConfig = MetricsConfig()
+    texture: TextureConfig = TextureConfig()
     outputs: OutputsConfig = OutputsConfig()
 
 

@@ -68,6 +68,15 @@ RESULTS = (
         ),
     ),
     Group(
+        "mask_rear",
+        "stages.clean",
+        "the same of a rear scanner's readings",
+        (
+            var("reason", "ring bearing", "1", "flag of conventions.MASK_REASONS", "uint8", True),
+            var("coverage", "ring", "1", "used over possible bearings", required=True),
+        ),
+    ),
+    Group(
         "pose",
         "stages.estimate",
         "robot in the pipe; where a calibration found a boresight, the attitude is the scanner's",
@@ -224,6 +233,18 @@ RESULTS = (
         ),
         (("false_alarm", "bumps and closed joints that a survey may show by chance"),),
         open=True,
+    ),
+    Group(
+        "texture",
+        "stages.texture",
+        "the wall's colours as frames show them, the lamp's fall of light taken away",
+        (
+            var("chainage", "row", "m", "chainage of the row's middle", required=True),
+            var("bearing", "column", "rad", "bearing of the column's middle", required=True),
+            var("colour", "row column channel", "1", "red, green and blue in sRGB; 0 where unseen", "uint8", True),
+            var("seen", "row column", "1", "1 where a frame shows the wall", "uint8", True),
+        ),
+        (("cell", "length of a row [m]"), ("frames", "how many frames were laid")),
     ),
     Group(
         "layout",

@@ -67,7 +67,19 @@ SOURCES = (
         _RING_VARIABLES,
         _RING_ATTRIBUTES,
     ),
-    Group("rings_rear", "io", "rings of a rear scanner", _RING_VARIABLES, _RING_ATTRIBUTES),
+    Group(
+        "rings_rear",
+        "io",
+        "rings of a second scanner on the same robot, by the same counter and clock",
+        _RING_VARIABLES,
+        (
+            *_RING_ATTRIBUTES,
+            (
+                "baseline_sigma",
+                "one-sigma of the direction between both scanners' origins, as positions state it [rad]",
+            ),
+        ),
+    ),
     Group(
         "inertial",
         "io",

@@ -114,8 +114,9 @@ SURVEY_FOLDER_KEYS = {
     "operator": "who drove the inspection",
     "equipment": "what recorded it",
     "direction": "downstream or upstream",
-    "parts": "table of files: rings, inertial, ties, frames, observations, calibration",
+    "parts": "table of files: rings, rings_rear, inertial, ties, frames, design_line, observations, calibration",
     "sensor": "table: kind, bearing_zero, bearing_sense, range_noise, and the sensor's geometry",
+    "sensor_rear": "table: the same of the scanner of rings_rear",
     "lens": "tables of lens models by name",
     "units": "table: unit of a column whose name has none",
 }
@@ -133,6 +134,7 @@ SURVEY_SENSOR_KEYS = {
     "boresight_pitch_deg": "ring plane's normal against the robot's forward axis, nose up",
     "boresight_yaw_deg": "the same, nose to the right",
     "boresight_roll_deg": "zero reading against its nominal bearing, from robot z towards robot y",
+    "baseline_sigma_deg": "of sensor_rear: one-sigma of the direction between both scanners, as their places state it",
     "range_scale_applied": "range scale by which the ranges were divided already, when a calibration was applied",
 }
 """Keys of the table `[sensor]` of `survey.toml`; lengths are stored as attributes of `/rings` in m, those of `offset_`

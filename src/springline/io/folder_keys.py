@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterable
     from pathlib import Path
 
-PARTS = ("rings", "rings_rear", "inertial", "ties", "frames", "calibration", "observations")
+PARTS = ("rings", "rings_rear", "inertial", "ties", "frames", "design_line", "calibration", "observations")
 """Parts of a survey folder, each a file."""
 
 _TEXTS = ("name", "material", "crs", "operator", "equipment")
@@ -38,6 +38,7 @@ class FolderKeys:
         attrs: Root attributes of the survey.
         parts: File name by part.
         sensor: Attributes of `/rings`: kind, bearings, noise [m], position [m], boresight angles [rad].
+        sensor_rear: The same of `/rings_rear`.
         lens: Lens models by name, as they stand.
         units: Unit by quantity.
     """
@@ -45,6 +46,7 @@ class FolderKeys:
     attrs: dict[str, Any]
     parts: dict[str, str]
     sensor: dict[str, Any] = field(default_factory=dict)
+    sensor_rear: dict[str, Any] = field(default_factory=dict)
     lens: dict[str, Any] = field(default_factory=dict)
     units: dict[str, str] = field(default_factory=dict)
 
@@ -77,17 +79,19 @@ def read_keys(path: Path) -> FolderKeys:
     return FolderKeys(
         attrs,
         {key: _text(value, path, f"parts.{key}") for key, value in parts.items()},
-        _sensor(_table(values, "sensor", path), path),
+        _sensor(values, "sensor", path),
+        _sensor(values, "sensor_rear", path),
         _table(values, "lens", path),
         _units(_table(values, "units", path), path),
     )
 
 
-def _sensor(table: dict[str, Any], path: Path) -> dict[str, Any]:
-    _known(table, SURVEY_SENSOR_KEYS, path, "sensor.")
+def _sensor(values: dict[str, Any], name: str, path: Path) -> dict[str, Any]:
+    table = _table(values, name, path)
+    _known(table, SURVEY_SENSOR_KEYS, path, f"{name}.")
     attrs: dict[str, Any] = {}
     for key, value in table.items():
-        place = f"sensor.{key}"
+        place = f"{name}.{key}"
         if key in _CHOICES:
             attrs["sensor_kind" if key == "kind" else key] = _choice(value, _CHOICES[key], path, place)
         elif key.endswith("_deg") or key == "range_scale_applied":

@@ -42,14 +42,15 @@ def write_folder(survey: Survey, path: Path) -> None:
         if survey.has(group):
             parts[group] = f"{group}.csv"
             write_ring_csv(survey, path / parts[group], group=group)
-    for group, table in (("inertial", _inertial), ("ties", _ties), ("frames", _frames)):
+    for group, table in (("inertial", _inertial), ("ties", _ties), ("frames", _frames), ("design_line", _design_line)):
         if survey.has(group):
             parts[group] = f"{group}.csv"
             table(survey.group(group), path / parts[group])
     keys["parts"] = parts
-    if "rings" in parts or "rings_rear" in parts:
-        keys["sensor"] = _sensor(survey.group("rings" if "rings" in parts else "rings_rear"))
-        keys["units"] = {"range": "m"}
+    for group, table in (("rings", "sensor"), ("rings_rear", "sensor_rear")):
+        if group in parts:
+            keys[table] = _sensor(survey.group(group))
+            keys["units"] = {"range": "m"}
     if survey.has("calibration"):
         calibration = survey.calibration
         if "lens" in calibration.attrs:
@@ -65,7 +66,7 @@ def write_folder(survey: Survey, path: Path) -> None:
 
 
 def _sensor(rings: xr.Dataset) -> dict[str, Any]:
-    """Return the table `[sensor]`; bearings as written here, unless those of the source were assumed."""
+    """Return the table `[sensor]`, or that of the rear; bearings as written here, unless the source's were assumed."""
     table: dict[str, Any] = {}
     if not rings.attrs.get("bearing_assumed"):
         table = {"bearing_zero": "right", "bearing_sense": "ccw"}
@@ -92,6 +93,12 @@ def _inertial(data: xr.Dataset, path: Path) -> None:
 
 def _ties(data: xr.Dataset, path: Path) -> None:
     _write({f"{name}_m": data[name].values for name in _TIES}, path)
+
+
+def _design_line(data: xr.Dataset, path: Path) -> None:
+    names = {"elevation": f"{data.attrs['refers_to']}_elevation"}
+    known = [name for name in ("chainage", "easting", "northing", "elevation") if name in data]
+    _write({f"{names.get(name, name)}_m": data[name].values for name in known}, path)
 
 
 def _frames(data: xr.Dataset, path: Path) -> None:

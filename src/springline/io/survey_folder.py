@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import xarray as xr
 
@@ -12,6 +12,7 @@ from ..errors import InputError
 from ..survey import Survey, add_assumption
 from . import registry
 from .calibration_file import read_calibration
+from .design_line import read_design_line
 from .folder_keys import PARTS, read_keys
 from .folder_parts import read_frames, read_inertial, read_ties
 from .rings import Statements
@@ -29,6 +30,7 @@ _DEFAULTS = {
     "inertial": ("inertial.csv",),
     "ties": ("ties.csv",),
     "frames": ("frames.csv",),
+    "design_line": ("design_line.csv",),
     "calibration": ("calibration.toml",),
     "observations": ("observations.xml", "observations.txt", "Conditions.csv"),
 }
@@ -54,7 +56,8 @@ def read_folder(path: Path, options: ReadOptions) -> Survey:
     assumptions: list[str] = []
     for part in ("rings", "rings_rear"):
         if part in files:
-            read = _read_rings(files[part], keys, options)
+            sensor = keys.sensor if part == "rings" else _rear(keys)
+            read = _read_rings(files[part], keys, sensor, options)
             groups[part] = read.rings
             assumptions += read.assumptions
     for part, reader in (("inertial", read_inertial), ("ties", read_ties), ("frames", read_frames)):
@@ -68,6 +71,8 @@ def read_folder(path: Path, options: ReadOptions) -> Survey:
         coded = _read_observations(files["observations"], options)
         groups["observations"] = coded.observations
         assumptions += coded.assumptions
+    if "design_line" in files:
+        groups["design_line"] = read_design_line(files["design_line"])
     if "calibration" in files:
         groups["calibration"] = read_calibration(files["calibration"])
     if keys.lens:
@@ -98,8 +103,14 @@ def _files(folder: Path, keys: FolderKeys) -> Mapping[str, Path]:
     return files
 
 
-def _read_rings(file: Path, keys: FolderKeys, options: ReadOptions) -> Survey:
-    sensor = dict(keys.sensor)
+def _rear(keys: FolderKeys) -> dict[str, Any]:
+    """Return what is said of the rear scanner: of its own place alone, else as of the front one unless it says so."""
+    own = ("position", "boresight", "range_scale")
+    return {key: value for key, value in keys.sensor.items() if not key.startswith(own)} | keys.sensor_rear
+
+
+def _read_rings(file: Path, keys: FolderKeys, sensor: Mapping[str, Any], options: ReadOptions) -> Survey:
+    sensor = dict(sensor)
     units = {q: u for q, u in keys.units.items() if not (q == "range" and options.unit)}
     statements = Statements(units, sensor.pop("bearing_zero", None), sensor.pop("bearing_sense", None), sensor, _FLAGS)
     kind = registry.guess(file)

@@ -28,7 +28,7 @@ _OBSTACLE = 0.15
 
 
 def clean(survey: Survey, config: Config) -> Survey:
-    """Return the survey with `/mask`: one reason per reading, and the coverage of each ring.
+    """Return the survey with `/mask`: one reason per reading, and the coverage of each ring; `/mask_rear` is alike.
 
     Judged in this order: no return; out of range of the typical radius; water or sediment lying flat at the invert;
     a lateral (an outward patch that goes on along the pipe); occluded (a patch of returns from something that stands
@@ -37,10 +37,17 @@ def clean(survey: Survey, config: Config) -> Survey:
     it, as an arc of one ring may say little of its section.
 
     Args:
-        survey: With `/rings`.
+        survey: With `/rings`, and `/rings_rear` of a second scanner where there is one.
         config: `clean.outlier_sigma`, `clean.range_limits`, `clean.water`.
     """
-    rings = survey.rings
+    mask = _mask(survey.rings, config.clean)
+    survey = _explain(survey.with_group("mask", mask), mask["reason"].values, mask["coverage"].values)
+    if survey.has("rings_rear"):
+        survey = survey.with_group("mask_rear", _mask(survey.rings_rear, config.clean))
+    return survey
+
+
+def _mask(rings: xr.Dataset, settings: CleanConfig) -> xr.Dataset:
     count, bearings = rings.sizes["ring"], rings["bearing"].values
     along = rings["distance"].values if rings.attrs.get("distance_source") == "axis" else None
     radius = _typical_radius(rings, along)
@@ -52,14 +59,13 @@ def clean(survey: Survey, config: Config) -> Survey:
         low, high = max(start - margin, 0), min(start + _BLOCK + margin, count)
         ranges = rings["range"][low:high].values.astype(float)
         place = None if along is None else along[low:high]
-        block = _reasons(ranges, bearings, place, radius, window, config.clean)
+        block = _reasons(ranges, bearings, place, radius, window, settings)
         stop = min(start + _BLOCK, count)
         reason[start:stop] = block[start - low : stop - low]
     coverage = (reason == _CODE["used"]).mean(axis=1)
-    mask = xr.Dataset(
+    return xr.Dataset(
         {"reason": (("ring", "bearing"), reason), "coverage": ("ring", coverage)}, coords={"bearing": bearings}
     )
-    return _explain(survey.with_group("mask", mask), reason, coverage)
 
 
 def _typical_radius(rings: xr.Dataset, along: np.ndarray | None) -> float:

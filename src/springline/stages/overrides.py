@@ -38,17 +38,29 @@ def masks(survey: Survey, config: Config) -> Survey:
     wanted = changes(survey, "mask")
     if not wanted:
         return survey
-    rings, mask = survey.rings, survey.mask
-    reason = mask["reason"].values.copy()
+    survey, effects = _left_out(survey, wanted, "rings", "mask", 0.0)
+    if survey.has("mask_rear"):
+        # The rear scanner sees a place when the counter shows more than when the front one did.
+        front, rear = (float(survey.group(name).attrs.get("position_x", 0.0)) for name in ("rings", "rings_rear"))
+        survey, _ = _left_out(survey, wanted, "rings_rear", "mask_rear", rear - front)
+    return with_effects(survey, effects, "mask")
+
+
+def _left_out(
+    survey: Survey, wanted: list[dict[str, Any]], source: str, name: str, ahead: float
+) -> tuple[Survey, list[str]]:
+    """Return the survey with a scanner's mask as people say, and what each of their wishes did."""
+    rings, mask = survey.group(source), survey.group(name)
+    along, reason = rings["distance"].values + ahead, mask["reason"].values.copy()
     shift, effects = datum_shift(survey), []
     for record in wanted:
         moved = 0.0 if record["change"].get("along") == "distance" else shift
-        inside = _inside(record["change"], rings["distance"].values + moved, rings["bearing"].values)
+        inside = _inside(record["change"], along + moved, rings["bearing"].values)
         lost = inside & (reason == 0)
         reason[inside] = _BY_HAND
         effects.append(f"{lost.sum()} readings of {inside.any(axis=1).sum()} rings left out")
     data = mask.assign(reason=(mask["reason"].dims, reason), coverage=("ring", (reason == 0).mean(axis=1)))
-    return with_effects(survey.corrected("mask", data), effects, "mask")
+    return survey.corrected(name, data), effects
 
 
 def _inside(change: dict[str, Any], along: np.ndarray, bearing: np.ndarray) -> np.ndarray:

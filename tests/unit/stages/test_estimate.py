@@ -162,7 +162,7 @@ def restless(monkeypatch):
 
     monkeypatch.setattr(stage, "why_not", lambda survey: "")
     monkeypatch.setattr(
-        stage, "estimate_survey", lambda survey, fitted: SimpleNamespace(converged=False, iterations=40)
+        stage, "estimate_survey", lambda survey, fitted, rear: SimpleNamespace(converged=False, iterations=40)
     )
 
 

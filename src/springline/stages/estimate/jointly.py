@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ...errors import InputError
-from ...estimation import Inertial, JointEstimate, Rings, Ties, estimate_joint
+from ...estimation import Inertial, JointEstimate, Rear, Rings, Ties, estimate_joint
 from ...geometry.robot.boresight import on_scanner
 
 if TYPE_CHECKING:
@@ -42,12 +42,13 @@ def why_never(survey: Survey) -> str:
     return ""
 
 
-def estimate_survey(survey: Survey, fitted: Fitted) -> JointEstimate:
+def estimate_survey(survey: Survey, fitted: Fitted, rear: Rear | None = None) -> JointEstimate:
     """Return the joint estimate from rings, and inertial log and ties where there are any.
 
     Args:
         survey: With `/rings`, and `/inertial` and `/ties` where there are any.
         fitted: Ellipses of the rings, with the harmonics that they share.
+        rear: Rings of a second scanner; None when there is none.
 
     Raises:
         InputError: The rings stand about the pipe's axis already, are too few, or the log does not cover them.
@@ -63,11 +64,11 @@ def estimate_survey(survey: Survey, fitted: Fitted) -> JointEstimate:
         np.where((fitted.status == 0)[:, None], fitted.parameters, np.nan),
         fitted.covariance,
         rings["time"].values.astype(float) if known else None,
-        tuple(on_scanner(_lever(rings.attrs), boresight(rings))),
+        tuple(on_scanner(lever(rings.attrs), boresight(rings))),
         rings.attrs.get("distance_source", "odometer") == "odometer",
     )
     log = _inertial(survey.inertial, boresight(rings)) if survey.has("inertial") and known else None
-    return estimate_joint(given, log, _ties(survey), harmonics=fitted.harmonics, joints=_joints(survey))
+    return estimate_joint(given, log, _ties(survey), harmonics=fitted.harmonics, joints=_joints(survey), rear=rear)
 
 
 def _joints(survey: Survey) -> np.ndarray | None:
@@ -86,7 +87,7 @@ def boresight(rings: xr.Dataset) -> np.ndarray:
     return np.nan_to_num([float(rings.attrs.get(f"boresight_{name}", 0.0)) for name in ("pitch", "yaw", "roll")])
 
 
-def _lever(attrs: dict[str, object]) -> tuple[float, float, float]:
+def lever(attrs: dict[str, object]) -> tuple[float, float, float]:
     """Return where the sensor stands from the robot's middle [m]: ahead, above, to the right."""
     x, y, z = (float(attrs.get(f"position_{k}", 0.0)) for k in _POSITION)
     return x, y, z

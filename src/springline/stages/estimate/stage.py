@@ -11,8 +11,9 @@ from ...errors import InputError
 from ...geometry.cleaning import unlike_both_sides
 from ...survey import add_assumption, add_warning
 from . import groups
-from .jointly import estimate_survey, why_not
+from .jointly import estimate_survey, why_never, why_not
 from .layout import layout
+from .rear import rear_rings, why_no_rear
 from .rings import Seen, describe, fit_rings
 
 if TYPE_CHECKING:
@@ -31,7 +32,7 @@ def estimate(survey: Survey, config: Config) -> Survey:
     """Return the survey with `/pose` and `/section`, and `/layout` where it can be known.
 
     Every ring gets one robust geometric ellipse, its sigma widened where neighbouring readings err together. With
-    `estimate.method` joint, or auto and an inertial log of rates and specific force, the robot's path, the true section
+    `estimate.method` joint, or auto and an inertial log or a second scanner, the robot's path, the true section
     and the layout are then estimated together (`docs/estimator.md`). Otherwise the section's centre gives the sensor's
     offset and its shape is taken as perpendicular to the pipe, so that the sensor's own tilt stays in it (an
     assumption that is stated). Stations without enough coverage, or whose readings do not determine an ellipse, have
@@ -49,17 +50,22 @@ def estimate(survey: Survey, config: Config) -> Survey:
     Source: dissertation 2.9.1 (geometric fit) and 4.1 (origin offset); chapters 4 and 5 jointly.
     """
     rings, mask, settings = survey.rings, _without_openings(survey), config.estimate
-    wanted = settings.method == "joint" or (settings.method == "auto" and not why_not(survey))
+    wanted = settings.method == "joint" or (settings.method == "auto" and _pays(survey))
     fitted = fit_rings(rings, mask, settings, pool=wanted)
     _refuse_nothing(survey, fitted)
     joint = None
     if wanted:
         try:
-            joint = _at_rest(estimate_survey(survey, fitted))
+            told, rear = rear_rings(survey, config)
+            joint = _at_rest(estimate_survey(survey, fitted, rear))
+            survey = told
         except InputError as error:
             if settings.method == "joint":
                 raise
             survey = add_warning(survey, f"Rings were taken one by one, as a joint estimate was not possible: {error}")
+    if joint is None and survey.has("rings_rear"):
+        reason = why_no_rear(survey) or "rings were taken one by one"
+        survey = add_warning(survey, f"The rear scanner was left aside: {reason}.")
     counter = config.sensor.counter_scale_sigma
     found = _alone(rings, fitted, counter) if joint is None else _together(rings, fitted, joint)
     found |= describe(rings, mask, fitted, found.pop("seen"))
@@ -82,6 +88,14 @@ def estimate(survey: Survey, config: Config) -> Survey:
         if "axis" in joint.why_missing
         else survey.with_group("layout", layout(survey, joint, float(_counted(rings)[0])))
     )
+
+
+def _pays(survey: Survey) -> bool:
+    """Return whether a joint estimate tells more by itself: with an inertial log, or two scanners and an odometer."""
+    if not why_not(survey):
+        return True
+    odometer = survey.rings.attrs.get("distance_source", "odometer") == "odometer"
+    return survey.has("rings_rear") and odometer and not (why_never(survey) or why_no_rear(survey))
 
 
 def _at_rest(joint: JointEstimate) -> JointEstimate:
