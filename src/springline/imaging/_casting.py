@@ -53,7 +53,7 @@ def cast(directions, axes, eye, radii, pose, places):  # type: ignore[no-untyped
 
 
 @njit(cache=True)
-def _off(lateral, places, parameters, out):  # type: ignore[no-untyped-def]
+def off_edge(lateral, places, parameters, out):  # type: ignore[no-untyped-def]
     """How far points of the wall lie off the model's edge [m]."""
     x = parameters[0]
     if not lateral:
@@ -71,7 +71,7 @@ def _off(lateral, places, parameters, out):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True)
-def _residuals(lateral, sets, axes, eye, radii, parameters, places, off, out):  # type: ignore[no-untyped-def]
+def residuals(lateral, sets, axes, eye, radii, parameters, places, off, out):  # type: ignore[no-untyped-def]
     """How far each point is off [px], by first order; False when the parameters make no sense."""
     shape = radii
     if not lateral:
@@ -81,7 +81,7 @@ def _residuals(lateral, sets, axes, eye, radii, parameters, places, off, out):  
     for which in range(3):
         if not cast(sets[which], axes, eye, shape, parameters, places):
             return False
-        _off(lateral, places, parameters, off[which])
+        off_edge(lateral, places, parameters, off[which])
     for k in range(out.shape[0]):
         right, up = off[1, k] - off[0, k], off[2, k] - off[0, k]
         out[k] = off[0, k] / math.sqrt(right * right + up * up + 1e-18)
@@ -120,7 +120,7 @@ def _normal(lateral, sets, axes, eye, radii, parameters, sigma, noise, base, pla
         step = 1e-5 * (radii[0] if p < 3 else 1.0)
         trial = parameters.copy()
         trial[p] += step
-        if _residuals(lateral, sets, axes, eye, radii, trial, places, off, moved):
+        if residuals(lateral, sets, axes, eye, radii, trial, places, off, moved):
             slopes[:, p] = (moved - base) / step
     information = np.zeros((size, size))
     gradient = np.zeros(size)
@@ -143,7 +143,7 @@ def solve(lateral, sets, axes, eye, radii, start, mean, sigma, noise, steps):  #
     places, off = np.empty((count, 3)), np.empty((3, count))
     here, there = np.empty(count), np.empty(count)
     best = start.copy()
-    if not _residuals(lateral, sets, axes, eye, radii, best, places, off, here):
+    if not residuals(lateral, sets, axes, eye, radii, best, places, off, here):
         return best, np.inf
     # wide noise at first, so that a far start feels where to go
     coarse = max(noise, 0.5 * np.median(np.abs(here)))
@@ -170,7 +170,7 @@ def solve(lateral, sets, axes, eye, radii, start, mean, sigma, noise, steps):  #
             for p in range(size):
                 damped[p, p] = information[p, p] * (1.0 + damping) + 1e-12
             trial = best - np.linalg.solve(damped, gradient)
-            if _residuals(lateral, sets, axes, eye, radii, trial, places, off, there):
+            if residuals(lateral, sets, axes, eye, radii, trial, places, off, there):
                 new = _cost(lateral, radii, there, coarse, trial, mean, sigma)
                 if new < cost:
                     gain = cost - new
@@ -193,7 +193,7 @@ def solve(lateral, sets, axes, eye, radii, start, mean, sigma, noise, steps):  #
 def information(lateral, sets, axes, eye, radii, parameters, sigma, noise):  # type: ignore[no-untyped-def]
     count = sets.shape[1]
     places, off, base = np.empty((count, 3)), np.empty((3, count)), np.empty(count)
-    _residuals(lateral, sets, axes, eye, radii, parameters, places, off, base)
+    residuals(lateral, sets, axes, eye, radii, parameters, places, off, base)
     information, _ = _normal(lateral, sets, axes, eye, radii, parameters, sigma, noise, base, places, off)
     for p in range(parameters.shape[0]):
         if sigma[p] < 1e300:

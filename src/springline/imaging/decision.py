@@ -90,7 +90,7 @@ def decide(
     if method == "reprojection":
         lateral = fit_lateral(contour, matrix, lens, r1, r2, prior=prior, noise=noise, near=near)
         joint = fit_joint(contour, matrix, lens, r1, r2, prior=prior, noise=noise, near=near)
-        return Decision(verdict(lateral, joint), lateral, joint)
+        return Decision(log_odds(lateral, joint), lateral, joint)
     points = finite("contour", contour)
     points = points[np.isfinite(points).all(axis=1)]
     if len(points) < 3:
@@ -126,8 +126,23 @@ def expected_contour(
     return project(matrix, edge, lens)
 
 
+def log_odds(lateral: ContourFit, joint: ContourFit) -> float:
+    """Return the log odds of a lateral against a joint, a stain of its size, and any smooth curve.
+
+    The contour's points are in order, and off by noise that is not alike from one to the next; NaN where neither could
+    be fitted.
+    """
+    if not lateral:
+        return -math.inf if joint else math.nan
+    others = joint.evidence - lateral.evidence, _anything(lateral.points) + lateral.cost, lateral.stain
+    return -float(np.logaddexp.reduce(others))
+
+
 def verdict(lateral: ContourFit, joint: ContourFit) -> float:
-    """Return the log odds of a lateral against a joint and anything else; NaN where neither could be fitted."""
+    """Return the log odds by the best fits alone: for points whose order and noise are not to be relied on.
+
+    NaN where neither could be fitted.
+    """
     if not lateral:
         return -math.inf if joint else math.nan
     return float(-lateral.cost - np.logaddexp(-joint.cost, _anything(lateral.points)))

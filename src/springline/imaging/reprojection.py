@@ -20,6 +20,7 @@ from springline.errors import ParameterError
 from springline.geometry.camera import camera_eye, rays
 from springline.geometry.checks import finite, positive
 from springline.imaging._casting import WIDE, cast, information, solve
+from springline.imaging._evidence import disorder, occam, stain
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
@@ -87,6 +88,8 @@ class ContourFit:
         cost: Robust misfit plus what the prior says, half a sum of squares where all is well.
         noise: One-sigma of the contour's points that was used [px].
         points: How many points were used.
+        evidence: Log likelihood of the contour for any lateral, or any joint, within the prior, up to what both share.
+        stain: Log odds of an irregular outline of that size against the lateral; of a joint minus infinity.
         reason: Why there is no fit.
     """
 
@@ -96,6 +99,8 @@ class ContourFit:
     cost: float
     noise: float
     points: int
+    evidence: float = -math.inf
+    stain: float = -math.inf
     reason: str = ""
 
     def __bool__(self) -> bool:
@@ -221,14 +226,14 @@ def _fit(
     matrix, radii_array = finite("matrix", matrix), positive("radii", radii)
     prior = prior or PosePrior()
     noise = contour_noise(points) if noise is None else float(noise)
-    seen = points[np.isfinite(points).all(axis=1)]
+    index = np.flatnonzero(np.isfinite(points).all(axis=1))
+    seen = points[index]
     noise = max(noise, 0.3) if math.isfinite(noise) else math.nan
     sets = np.stack([rays(np.eye(4), seen + shift, lens) for shift in ([0.0, 0.0], [1.0, 0.0], [0.0, 1.0])])
-    sets = sets[:, np.isfinite(sets).all(axis=(0, 2))]
+    fine = np.isfinite(sets).all(axis=(0, 2))
+    sets, index = sets[:, fine], index[fine]
     if sets.shape[1] < _FEWEST or not math.isfinite(noise):
-        nothing = np.full(len(names), np.nan)
-        reason = f"{sets.shape[1]} points of the contour are seen, too few"
-        return ContourFit(kind, nothing, np.full((len(names),) * 2, np.nan), np.inf, noise, sets.shape[1], reason)
+        return _nothing(kind, noise, sets.shape[1], f"{sets.shape[1]} points of the contour are seen, too few")
     eye = camera_eye(matrix)
     mean, sigma = np.zeros(len(names)), np.full(len(names), np.inf)
     sigma[1:3], sigma[3:6], sigma[-1] = max(prior.offset, 1e-9), max(prior.turn, 1e-9), last_sigma
@@ -256,12 +261,23 @@ def _fit(
         if best_cost < _GOOD * EXPECTED * sets.shape[1]:
             break
     if best is None:
-        nothing = np.full(len(names), np.nan)
-        reason = "no pose within the prior sees the contour on the wall"
-        return ContourFit(kind, nothing, np.full((len(names),) * 2, np.nan), np.inf, noise, sets.shape[1], reason)
-    known = information(kind == "lateral", sets, matrix[:3, :3], eye, radii_array, best, sigma, noise)
+        return _nothing(kind, noise, sets.shape[1], "no pose within the prior sees the contour on the wall")
+    view = sets, matrix[:3, :3], eye, radii_array
+    known = information(kind == "lateral", *view, best, sigma, noise)
+    evidence = -best_cost - occam(known, sigma, float(radii_array.min()))
+    irregular = -math.inf
+    if kind == "lateral":
+        irregular = stain(*view, best, mean, sigma, noise)
+    else:
+        evidence -= disorder(*view, best, noise, index)
     best[0] += eye[0]
-    return ContourFit(kind, best, np.linalg.pinv(known, hermitian=True), best_cost, noise, sets.shape[1])
+    covariance = np.linalg.pinv(known, hermitian=True)
+    return ContourFit(kind, best, covariance, best_cost, noise, sets.shape[1], evidence, irregular)
+
+
+def _nothing(kind: str, noise: float, points: int, reason: str) -> ContourFit:
+    size = len(LATERAL if kind == "lateral" else JOINT)
+    return ContourFit(kind, np.full(size, np.nan), np.full((size, size), np.nan), np.inf, noise, points, reason=reason)
 
 
 def _poses(prior: PosePrior) -> list[list[tuple[Array, float]]]:
