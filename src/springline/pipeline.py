@@ -20,6 +20,7 @@ from .stages.metrics import metrics
 from .stages.overrides import corrections, masks
 from .stages.ring_video import ring_video
 from .stages.rings import rings
+from .stages.texture import texture
 from .survey import add_run, validate
 
 if TYPE_CHECKING:
@@ -27,7 +28,7 @@ if TYPE_CHECKING:
 
     from .survey import Survey
 
-STAGES = (rings, clean, masks, detect, estimate, liner, metrics, features, images, corrections, design_line)
+STAGES = (rings, clean, masks, detect, estimate, liner, metrics, features, images, texture, corrections, design_line)
 """The stages in the order in which they run; each takes a survey and its settings and adds its groups."""
 
 

@@ -1,4 +1,4 @@
-"""The pipe's wall as a coloured mesh in binary glTF 2.0.
+"""The pipe's wall as a mesh in binary glTF 2.0, coloured by its departures or with the frames laid on it.
 
 glTF is right-handed with y up, as the pipe frame is, so the axes are the same: x along the pipe in the direction of
 travel (the chainage), y up to the crown, z to the right; metres. The pipe is drawn straight.
@@ -6,39 +6,53 @@ travel (the chainage), y up to the crown, z to the right; metres. The pipe is dr
 
 from __future__ import annotations
 
-import json
-import struct
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from .. import __version__
 from .colours import levels, nice_limit, scale_colours
+from .gltf import Gltf
+from .png import rgb_png
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator
     from pathlib import Path
 
+    from .photo import Photo
     from .unroll import Unrolled
 
 _VERTICES = 600_000
-_FLOAT, _UBYTE, _UINT = 5126, 5121, 5125
+_PICTURE = 4096  # pixels of a picture along the pipe, what every reader takes
+_PIXELS = 6_000_000
 
 
 def write_glb(wall: Unrolled, path: Path, *, name: str, vertices: int = _VERTICES) -> None:
-    """Write the wall as `.glb`, coloured by its departure from a circle; what was not seen stays a hole.
+    """Write the wall as `.glb`, with its frames on it or coloured by its departures; what was not measured is a hole.
 
-    About 40 bytes a vertex: 24 MB at most by default, whatever the length of the survey.
+    About 40 bytes a vertex, 24 MB at most by default, whatever the length of the survey; pictures add about 12 MB.
 
     Args:
-        wall: The unrolled wall.
+        wall: The unrolled wall; where it has a photo, that colours it, grey where no frame reaches.
         path: Where to write.
         name: Name of the mesh, such as the asset's.
         vertices: Largest number of cells that become vertices; neighbouring groups are joined to stay below it.
     """
-    wall = joined(wall, vertices)
+    photo, wall = wall.photo, joined(wall, vertices)
     limit = nice_limit(wall.shape)
-    position, colour, triangles = surface(wall, limit)
-    path.write_bytes(_glb(position, colour, triangles, name, limit, wall.circle_diameter))
+    shown = "frames of the survey, the lamp's fall of light taken away; grey where none reaches"
+    departure = (
+        f"departure from a circle of {wall.circle_diameter * 1e3:.2f} mm: red-brown {-limit * 1e3:g} mm (inward), "
+        f"pale 0, blue {limit * 1e3:g} mm (outward)"
+    )
+    axes = "x along the pipe in the direction of travel, y up to the crown, z to the right"
+    file = Gltf(name, {"unit": "m", "axes": axes, "colour": departure if photo is None else shown})
+    if photo is None:
+        position, colour, triangles = surface(wall, limit)
+        file.add(position, triangles, colour=colour)
+    else:
+        for position, triangles, places, picture in _photographed(wall, photo.at_most(_PIXELS)):
+            file.add(position, triangles, picture=(places, picture))
+    path.write_bytes(file.content())
 
 
 def joined(wall: Unrolled, vertices: int) -> Unrolled:
@@ -55,27 +69,60 @@ def joined(wall: Unrolled, vertices: int) -> Unrolled:
 def surface(wall: Unrolled, limit: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Return vertices (n, 3) [m], their linear colours (n, 4) uint8, and triangles (m, 3) facing outward."""
     seen = np.isfinite(wall.shape)
-    radius = wall.circle_diameter / 2 + wall.shape
-    grid = np.empty((*wall.shape.shape, 3), np.float32)
-    grid[..., 0] = ((wall.start + wall.end) / 2)[:, None]
-    grid[..., 1] = radius * np.sin(wall.bearing)
-    grid[..., 2] = radius * np.cos(wall.bearing)
     number = np.cumsum(seen).reshape(seen.shape).astype(np.uint32) - 1
-    joined = wall.start[1:] <= wall.end[:-1] + 1e-9
-    here, there = slice(None, -1), slice(1, None)
-    around = np.roll(seen, -1, axis=1)
-    next_number = np.roll(number, -1, axis=1)
-    first = seen[here] & seen[there] & around[here] & joined[:, None]
-    second = around[here] & seen[there] & around[there] & joined[:, None]
-    triangles = np.concatenate(
-        (
-            np.stack([number[here][first], number[there][first], next_number[here][first]], axis=1),
-            np.stack([next_number[here][second], number[there][second], next_number[there][second]], axis=1),
-        )
-    )
+    # the last bearing is followed by the first
+    number = np.concatenate([number, number[:, :1]], axis=1)
+    triangles = _triangles(np.concatenate([seen, seen[:, :1]], axis=1), number, _touching(wall))
     colour = np.full((int(seen.sum()), 4), 255, np.uint8)
     colour[:, :3] = _linear(scale_colours())[levels(wall.shape[seen], limit)]
-    return grid[seen], colour, triangles
+    return _grid(wall, wall.bearing, wall.shape)[seen], colour, triangles
+
+
+def _photographed(wall: Unrolled, photo: Photo) -> Iterator[tuple[np.ndarray, np.ndarray, np.ndarray, bytes]]:
+    """Yield vertices, triangles, places in the picture, and the picture (PNG) of each stretch of wall."""
+    middle, touching = (wall.start + wall.end) / 2, _touching(wall)
+    # a picture ends at a group, where the next one takes over
+    step = photo.cell * _PICTURE
+    stretch = np.floor((middle - middle[0]) / step).astype(int)
+    for first in np.flatnonzero(np.diff(stretch, prepend=-1)):
+        last = min(int(np.searchsorted(stretch, stretch[first], "right")), middle.size - 1)
+        rows = slice(int(first), last + 1)
+        # the seam stands twice, at both ends of the picture
+        shape = np.concatenate([wall.shape[rows], wall.shape[rows, :1]], axis=1)
+        bearing = np.append(wall.bearing, 2 * np.pi)
+        seen = np.isfinite(shape)
+        number = np.cumsum(seen).reshape(seen.shape).astype(np.uint32) - 1
+        triangles = _triangles(seen, number, touching[first:last])
+        low, high, picture = photo.piece(middle[first], middle[last])
+        along = np.broadcast_to(((middle[rows] - low) / (high - low))[:, None], shape.shape)
+        around = np.broadcast_to((bearing - photo.bearing) / (2 * np.pi) + 0.5 / picture.shape[0], shape.shape)
+        places = np.stack([along[seen], around[seen]], axis=-1).astype(np.float32)
+        yield _grid(wall, bearing, shape, rows)[seen], triangles, places, rgb_png(picture)
+
+
+def _touching(wall: Unrolled) -> np.ndarray:
+    """Whether each group of stations is followed by the next without a gap."""
+    return wall.start[1:] <= wall.end[:-1] + 1e-9
+
+
+def _grid(wall: Unrolled, bearing: np.ndarray, shape: np.ndarray, rows: slice = slice(None)) -> np.ndarray:
+    radius = wall.circle_diameter / 2 + shape
+    grid = np.empty((*shape.shape, 3), np.float32)
+    grid[..., 0] = ((wall.start + wall.end) / 2)[rows, None]
+    grid[..., 1] = radius * np.sin(bearing)
+    grid[..., 2] = radius * np.cos(bearing)
+    return grid
+
+
+def _triangles(seen: np.ndarray, number: np.ndarray, touching: np.ndarray) -> np.ndarray:
+    """Return triangles (m, 3) between vertices that are seen, from each bearing to the next in the list."""
+    here, there = slice(None, -1), slice(1, None)
+    first = seen[here, :-1] & seen[there, :-1] & seen[here, 1:] & touching[:, None]
+    second = seen[here, 1:] & seen[there, :-1] & seen[there, 1:] & touching[:, None]
+    a, b, c, d = number[here, :-1], number[there, :-1], number[here, 1:], number[there, 1:]
+    return np.concatenate(
+        (np.stack([a[first], b[first], c[first]], axis=1), np.stack([c[second], b[second], d[second]], axis=1))
+    )
 
 
 def _linear(srgb: np.ndarray) -> np.ndarray:
@@ -83,58 +130,3 @@ def _linear(srgb: np.ndarray) -> np.ndarray:
     share = srgb / 255.0
     linear = np.where(share <= 0.04045, share / 12.92, ((share + 0.055) / 1.055) ** 2.4)
     return np.rint(linear * 255.0).astype(np.uint8)
-
-
-def _glb(
-    position: np.ndarray, colour: np.ndarray, triangles: np.ndarray, name: str, limit: float, diameter: float
-) -> bytes:
-    parts = (position.tobytes(), colour.tobytes(), triangles.tobytes())
-    sizes = [len(part) for part in parts]
-    extras = {
-        "unit": "m",
-        "axes": "x along the pipe in the direction of travel, y up to the crown, z to the right",
-        "colour": f"departure from a circle of {diameter * 1e3:.2f} mm: red-brown {-limit * 1e3:g} mm (inward), "
-        f"pale 0, blue {limit * 1e3:g} mm (outward)",
-    }
-    document = {
-        "asset": {"version": "2.0", "generator": f"Springline {__version__}", "extras": extras},
-        "scene": 0,
-        "scenes": [{"nodes": [0] if len(position) else []}],
-        "nodes": [{"mesh": 0, "name": name}],
-        "meshes": [
-            {
-                "name": name,
-                "primitives": [{"attributes": {"POSITION": 0, "COLOR_0": 1}, "indices": 2, "material": 0}],
-            }
-        ],
-        "materials": [{"doubleSided": True, "pbrMetallicRoughness": {"metallicFactor": 0.0, "roughnessFactor": 1.0}}],
-        "buffers": [{"byteLength": sum(sizes)}],
-        "bufferViews": [
-            {"buffer": 0, "byteOffset": sum(sizes[:k]), "byteLength": sizes[k], "target": target}
-            for k, target in enumerate((34962, 34962, 34963))
-        ],
-        "accessors": [
-            {
-                "bufferView": 0,
-                "componentType": _FLOAT,
-                "count": len(position),
-                "type": "VEC3",
-                "min": position.min(axis=0).tolist() if len(position) else [0, 0, 0],
-                "max": position.max(axis=0).tolist() if len(position) else [0, 0, 0],
-            },
-            {"bufferView": 1, "componentType": _UBYTE, "normalized": True, "count": len(colour), "type": "VEC4"},
-            {"bufferView": 2, "componentType": _UINT, "count": triangles.size, "type": "SCALAR"},
-        ],
-    }
-    if not triangles.size:
-        # glTF allows no empty buffer: without a wall the scene is empty.
-        for key in ("nodes", "meshes", "materials", "buffers", "bufferViews", "accessors"):
-            del document[key]
-        document["scenes"] = [{"name": "no wall was seen"}]
-        parts, sizes = (), []
-    text = json.dumps(document, ensure_ascii=True, separators=(",", ":")).encode()
-    text += b" " * (-len(text) % 4)
-    chunks = struct.pack("<II", len(text), 0x4E4F534A) + text
-    if parts:
-        chunks += struct.pack("<II", sum(sizes), 0x004E4942) + b"".join(parts)
-    return struct.pack("<4sII", b"glTF", 2, 12 + len(chunks)) + chunks

@@ -1,4 +1,4 @@
-"""Pictures with a palette, written as PNG (ISO/IEC 15948) with the standard library alone."""
+"""Pictures written as PNG (ISO/IEC 15948) with the standard library alone."""
 
 from __future__ import annotations
 
@@ -28,6 +28,29 @@ def palette_png(indices: np.ndarray, palette: np.ndarray) -> bytes:
             _chunk(b"IHDR", struct.pack(">IIBBBBB", width, height, 8, 3, 0, 0, 0)),
             _chunk(b"PLTE", palette.astype(np.uint8).tobytes()),
             _chunk(b"IDAT", zlib.compress(rows.tobytes(), 9)),
+            _chunk(b"IEND", b""),
+        )
+    )
+
+
+def rgb_png(pixels: np.ndarray) -> bytes:
+    """Return a PNG of colours in sRGB, rows from the top, (height, width, 3) uint8.
+
+    >>> rgb_png(np.zeros((1, 1, 3), np.uint8))[1:4]
+    b'PNG'
+    """
+    height, width = pixels.shape[:2]
+    # Photographs compress best as what changes from the row above: the filter type 2, of the first row too.
+    rows = np.empty((height, 3 * width + 1), np.uint8)
+    rows[:, 0] = 2
+    flat = pixels.reshape(height, -1)
+    rows[0, 1:] = flat[0]
+    rows[1:, 1:] = flat[1:] - flat[:-1]
+    return b"".join(
+        (
+            b"\x89PNG\r\n\x1a\n",
+            _chunk(b"IHDR", struct.pack(">IIBBBBB", width, height, 8, 2, 0, 0, 0)),
+            _chunk(b"IDAT", zlib.compress(rows.data, 6)),
             _chunk(b"IEND", b""),
         )
     )

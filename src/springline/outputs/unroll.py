@@ -13,8 +13,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..conventions import MASK_REASONS
+from .photo import photo_of
 
 if TYPE_CHECKING:
+    from .photo import Photo
     from .results import Results, RingBlock
 
 NO_SECTION = 7
@@ -58,6 +60,7 @@ class Unrolled:
         reason: Flags of `REASONS`, uint8.
         circle_diameter: Diameter of the circle [m].
         intensity: Mean returned intensity of the used readings, NaN = none; None when the survey has no intensity.
+        photo: What frames show of the whole wall; None when the survey has no texture.
     """
 
     start: np.ndarray
@@ -68,6 +71,7 @@ class Unrolled:
     reason: np.ndarray
     circle_diameter: float
     intensity: np.ndarray | None = None
+    photo: Photo | None = None
 
     def piece(self, low: float, high: float, columns: int, bearing: float, half: float) -> Unrolled:
         """Return a piece of the wall: `columns` between two chainages [m], bearings within `half` [rad] of one.
@@ -157,6 +161,7 @@ def unroll(results: Results, *, cells: int = 7_000_000) -> Unrolled:
         reason.reshape(grid),
         results.circle_diameter,
         None if brightness is None else brightness.mean().reshape(grid),
+        photo_of(results.survey),
     )
 
 

@@ -8,10 +8,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..colours import LEVELS, REASON_COLOURS, levels, rgb, scale_colours
-from ..png import palette_png
+from ..photo import UNSEEN
+from ..png import palette_png, rgb_png
 from ..unroll import NO_STATION, REASON_WORDS, REASONS
 
 if TYPE_CHECKING:
+    from ..photo import Photo
     from ..unroll import Unrolled
     from .profiles import Axis
     from .scales import Scale
@@ -43,7 +45,8 @@ class Map:
 
 def make_maps(wall: Unrolled, axis: Axis, small: Scale) -> list[Map]:
     """Return the maps on the chainage axis that the charts share; `small` is the printed unit of departures."""
-    seen = wall.columns(np.linspace(axis.low, axis.high, _WIDTH + 1))
+    edges = np.linspace(axis.low, axis.high, _WIDTH + 1)
+    seen = wall.columns(edges)
     diameter = small.text(wall.circle_diameter, 2)
     return [
         _departures(
@@ -63,6 +66,7 @@ def make_maps(wall: Unrolled, axis: Axis, small: Scale) -> list[Map]:
             small,
         ),
         _sight(seen.reason),
+        *([_photograph(wall.photo.columns(edges))] if wall.photo else []),
     ]
 
 
@@ -82,6 +86,18 @@ def wall_picture(wall: Unrolled, limit: float) -> bytes:
     """
     indices = np.where(wall.reason == 0, levels(wall.surface, limit), _reason_indices(wall.reason))
     return _picture(indices.T)
+
+
+def _photograph(photo: Photo) -> Map:
+    unseen = (("no frame shows it", "#" + bytes(UNSEEN).hex()),) if (photo.seen == 0).any() else ()
+    return Map(
+        "photo",
+        "Photograph: the frames laid on the wall",
+        "Projected onto the measured wall and blended; the lamp’s fall of light is taken away.",
+        rgb_png(np.ascontiguousarray(_upright(photo.colour))),
+        None,
+        unseen,
+    )
 
 
 def _sight(reason: np.ndarray) -> Map:
@@ -107,7 +123,7 @@ def _reason_indices(reason: np.ndarray) -> np.ndarray:
 def _upright(indices: np.ndarray) -> np.ndarray:
     """Return rows of bearing that grow downwards from the invert: 6, 3, 12, 9 and 6 o'clock again."""
     rows = indices.shape[1]
-    return indices.T[(np.arange(rows) - rows // 4) % rows]
+    return indices.swapaxes(0, 1)[(np.arange(rows) - rows // 4) % rows]
 
 
 def _picture(indices: np.ndarray) -> bytes:

@@ -17,7 +17,7 @@ function mapTitle(survey, mode) {
   return {
     shape: `Departure from a circle of ${(survey.circle * 1e3).toFixed(1)} mm`,
     surface: "Departure from the fitted section",
-    intensity: "Returned intensity of the wall",
+    intensity: `${survey.brightnessOf} of the wall`,
     difference: `Change ${survey.otherLater ? "until" : "since"} ${survey.otherName}, outward positive`,
     other: `${survey.otherName}: departure from the same circle`,
   }[mode];
@@ -236,7 +236,7 @@ async function start() {
     if (scene) scene.request();
   });
 
-  if (survey.intensity) byId("mode").append(new Option("returned intensity", "intensity"));
+  if (survey.intensity) byId("mode").append(new Option(survey.brightnessOf.toLowerCase(), "intensity"));
   if (survey.other) {
     byId("mode").append(new Option(`change ${survey.otherLater ? "until" : "since"} ${survey.otherName}`, "difference"), new Option(survey.otherName, "other"));
     document.querySelector('[data-act="beside"]').hidden = false;

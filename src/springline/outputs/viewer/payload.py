@@ -13,6 +13,7 @@ from ...conventions import FIT_STATUS
 from ..colours import LEVELS, REASON_COLOURS, nice_limit, rgb, scale_colours
 from ..tables import features_table
 from ..unroll import NO_STATION, REASON_WORDS, REASONS
+from .brightness import GREYS, brightness_of
 
 if TYPE_CHECKING:
     from ..results import Results
@@ -43,7 +44,6 @@ _VALUES = (
 
 
 _LAYOUT = ("elevation", "gradient")
-_GREYS = [[25 + 5 * n] * 3 for n in range(40)]
 
 
 def pack(results: Results, wall: Unrolled, other: Epoch | None = None) -> tuple[dict[str, Any], str]:
@@ -63,6 +63,8 @@ def pack(results: Results, wall: Unrolled, other: Epoch | None = None) -> tuple[
     walls = [wall] if other is None else [wall, other.wall]
     furthest = max(float(np.abs(one.shape[np.isfinite(one.shape)]).max(initial=0.0)) for one in walls)
     tick = max(1e-5, furthest / _LARGEST)
+    brightness = brightness_of(wall)
+    shades = GREYS if brightness is None else brightness.shades
     arrays = {
         "start": wall.start.astype("<f8"),
         "end": wall.end.astype("<f8"),
@@ -74,7 +76,7 @@ def pack(results: Results, wall: Unrolled, other: Epoch | None = None) -> tuple[
         "shape": _ticks(wall, tick),
         **({} if other is None else {"other": _ticks(other.wall, tick)}),
         # Bytes stand last, so that what is wider keeps its place in memory.
-        **({} if wall.intensity is None else {"intensity": _brightness(wall.intensity)}),
+        **({} if brightness is None else {"intensity": brightness.cells}),
     }
     reference = results.metrics_attr("reference_diameter")
     header = {
@@ -89,7 +91,8 @@ def pack(results: Results, wall: Unrolled, other: Epoch | None = None) -> tuple[
         "otherName": None if other is None else other.name,
         "otherLater": other is not None and other.later,
         "joined": -(-results.stations // int(wall.start.size)),
-        "palette": [*scale_colours().tolist(), *(list(rgb(colour)) for colour in _reasons().values()), *_GREYS],
+        "palette": [*scale_colours().tolist(), *(list(rgb(colour)) for colour in _reasons().values()), *shades],
+        "brightnessOf": None if brightness is None else brightness.name,
         "greys": LEVELS + len(_reasons()),
         "levels": LEVELS,
         "reasons": {flag: LEVELS + k for k, flag in enumerate(_reasons())},
@@ -133,14 +136,6 @@ def _representatives(results: Results, wall: Unrolled) -> np.ndarray:
 def _ticks(wall: Unrolled, tick: float) -> np.ndarray:
     ticks = np.rint(np.nan_to_num(wall.shape) / np.float32(tick))
     return np.where(wall.reason == 0, ticks, -32768.0 + wall.reason).astype("<i2")
-
-
-def _brightness(intensity: np.ndarray) -> np.ndarray:
-    """Return intensities as bytes from 1 (dark) to 255 (bright), outer hundredths cut off; 0 where there is none."""
-    known = np.isfinite(intensity)
-    low, high = np.quantile(intensity[known], [0.01, 0.99]) if known.any() else (0.0, 1.0)
-    share = np.clip((np.nan_to_num(intensity) - low) / max(high - low, 1e-9), 0.0, 1.0)
-    return np.where(known, np.rint(1 + 254 * share), 0).astype(np.uint8)
 
 
 def _reasons() -> dict[int, str]:

@@ -1,0 +1,174 @@
+"""Texture: the frames of a survey laid on its corrected wall."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+import xarray as xr
+
+from ..errors import MissingExtraError
+from ..survey import add_warning
+
+if TYPE_CHECKING:
+    from ..config import Config
+    from ..imaging.lens_table import MountedCamera
+    from ..imaging.texture import Surface, Texture, View
+    from ..survey import Survey
+
+    Array = np.ndarray
+
+_CELLS = 8_000_000
+_DOZENS = (15, 120)
+_FAR = 1.5
+_FARTHEST = 5.0
+_LEAST_HALF_VIEW = 0.3
+_BRIDGED = 1.0
+_NAMED = 5
+
+
+def texture(survey: Survey, config: Config) -> Survey:
+    """Return the survey with `/texture`: the wall's colours by chainage and bearing, from its frames.
+
+    Every frame is projected onto the fitted sections, along the axis as it bends, from where the robot's pose puts its
+    camera; neighbouring frames are blended and the lamp's fall of light is taken away. Stations without a section are
+    bridged over one diameter; what no frame shows stays black and unseen.
+
+    Args:
+        survey: With `/section` and `/pose`; unchanged without `/frames`, a lens, or a single usable frame.
+        config: `texture.cell`, and `texture.lay`.
+
+    Raises:
+        InputError: A lens table cannot be used.
+    """
+    mounted = _cameras(survey) if config.texture.lay else {}
+    if not mounted or not np.isfinite(survey.section["parameters"].values[:, 0]).any():
+        return survey
+    from ..imaging.moving import each_frame
+    from ..imaging.texture import lay_frames
+
+    frames = survey.frames
+    paths = frames["path"].values.astype(str)
+    surface = _surface(survey, config.texture.cell)
+    numbers, views = _views(survey, mounted)
+    near, far = _reach(views, float(np.nanmedian(surface.parameters[:, 0])))
+    folder = frames.attrs.get("folder", ".")
+    try:
+        laid = lay_frames(surface, views, lambda chosen: each_frame(paths[numbers[chosen]], folder), near, far)
+    except MissingExtraError as missing:
+        return add_warning(survey, f"The frames were not laid on the wall: {missing}")
+    if laid.refused:
+        names = [f"{paths[numbers[k]]} ({why})" for k, why in laid.refused[:_NAMED]]
+        more = f" and {len(laid.refused) - _NAMED} more" if len(laid.refused) > _NAMED else ""
+        survey = add_warning(survey, f"Frames that could not be laid on the wall: {'; '.join(names)}{more}.")
+    if not laid.seen.any():
+        return survey
+    return survey.with_group("texture", _group(surface, laid))
+
+
+def _cameras(survey: Survey) -> dict[str, MountedCamera]:
+    """Lenses of the survey that take plain pictures, by name."""
+    if not survey.has("frames") or not survey.has("calibration") or "distance" not in survey.frames:
+        return {}
+    from ..imaging.lens_table import cameras_of_calibration
+
+    return cameras_of_calibration(survey.calibration.attrs, laser=False)
+
+
+def _surface(survey: Survey, cell: float) -> Surface:
+    """The wall at rows of about `cell` [m], coarser where that were too many."""
+    from ..imaging.texture import Surface
+
+    section = survey.section
+    place, shape = section["chainage"].values, section["parameters"].values
+    good = np.isfinite(shape).all(axis=1) & np.isfinite(place)
+    order = np.flatnonzero(good)[np.argsort(place[good], kind="stable")]
+    place, shape = place[order], shape[order]
+    round_wall = 2.0 * np.pi * float(np.median(shape[:, 0]))
+    length = max(float(place[-1] - place[0]), cell)
+    cell = max(cell, float(np.sqrt(length * round_wall / _CELLS)))
+    x = place[0] + cell * (0.5 + np.arange(max(int(length / cell), 1)))
+    # as many as go into halves and thirds, which coarser pictures join
+    columns = 12 * int(np.clip(round(round_wall / cell / 12), *_DOZENS))
+    parameters = np.stack([np.interp(x, place, shape[:, k]) for k in range(3)], axis=-1)
+    after = np.clip(np.searchsorted(place, x), 1, max(len(place) - 1, 1))
+    if len(place) > 1:
+        parameters[place[after] - place[after - 1] > _BRIDGED * round_wall / np.pi] = np.nan
+    return Surface(x, parameters, *_directions(survey, x), 2.0 * np.pi * np.arange(columns) / columns)
+
+
+def _directions(survey: Survey, x: Array) -> tuple[Array, Array]:
+    """Heading and climb of the axis [rad]; straight where the layout is not known."""
+    if not survey.has("layout") or "heading" not in survey.layout:
+        return np.zeros_like(x), np.zeros_like(x)
+    layout = survey.layout
+    place, heading, climb = (layout[name].values for name in ("chainage", "heading", "gradient"))
+    good = np.isfinite(place) & np.isfinite(heading) & np.isfinite(climb)
+    if not good.any():
+        return np.zeros_like(x), np.zeros_like(x)
+    order = np.flatnonzero(good)[np.argsort(place[good], kind="stable")]
+    heading = np.interp(x, place[order], np.unwrap(heading[order]))
+    return heading, np.arctan(np.interp(x, place[order], climb[order]))
+
+
+def _views(survey: Survey, mounted: dict[str, MountedCamera]) -> tuple[Array, list[View]]:
+    """Numbers of the frames whose lens and place are known, and from where each was taken.
+
+    Unknown offsets and tilts are taken for none.
+    """
+    from ..geometry.camera import camera_at
+    from ..geometry.robot import frame
+    from ..imaging.texture import View
+
+    frames, rings, pose = survey.frames, survey.rings, survey.pose
+    distance = frames["distance"].values
+    names = frames["lens"].values.astype(str) if "lens" in frames else np.full(len(distance), next(iter(mounted)))
+    numbers = np.flatnonzero(np.isin(names, list(mounted)) & np.isfinite(distance))
+    distance, counter = distance[numbers], rings["distance"].values
+
+    def at(places: Array, values: Array, missing: float) -> Array:
+        good = np.isfinite(values) & np.isfinite(places)
+        order = np.flatnonzero(good)[np.argsort(places[good], kind="stable")]
+        return np.interp(distance, places[order], values[order]) if len(order) else np.full(len(distance), missing)
+
+    station = survey.section["distance"].values
+    chainage = at(station, survey.section["chainage"].values, np.nan)
+    # beyond the first and the last station the counter runs on
+    chainage = chainage + distance - np.clip(distance, np.nanmin(station), np.nanmax(station))
+    known = {name: at(counter, pose[name].values, 0.0) for name in ("offset_y", "offset_z", "pitch", "yaw", "roll")}
+    sensor = np.array([float(rings.attrs.get(f"position_{axis}", 0.0)) for axis in "xyz"])
+    robot = frame(known["pitch"], known["yaw"], known["roll"])
+    offset = np.stack([np.zeros_like(chainage), known["offset_y"], known["offset_z"]], axis=-1)
+    views = []
+    for k, number in enumerate(numbers):
+        camera = mounted[names[number]]
+        eye = offset[k] + (np.array(camera.position) - sensor) @ robot[k]
+        views.append(View(float(chainage[k]), camera_at(eye, camera.axes @ robot[k]), camera))
+    return numbers, views
+
+
+def _reach(views: list[View], radius: float) -> tuple[float, float]:
+    """Which wall ahead of a camera is taken: from where it enters view, as far as the next frame asks for."""
+    if not views:
+        return 0.0, radius
+    camera = views[0].camera
+    half = float(np.nan_to_num(camera.lens.zenith(0.5 * max(camera.size)), nan=camera.lens.max_zenith))
+    near = radius / np.tan(np.clip(half, _LEAST_HALF_VIEW, 1.4))
+    apart = np.diff(np.sort([view.foot for view in views]))
+    step = float(np.median(apart)) if len(apart) else 0.0
+    # the wall all round enters view later, where the picture's shorter side begins to show it
+    short = float(np.nan_to_num(camera.lens.zenith(0.5 * min(camera.size)), nan=camera.lens.max_zenith))
+    whole = radius / np.tan(np.clip(short, _LEAST_HALF_VIEW, 1.4))
+    return near, min(whole + max(_FAR * radius, 2.0 * step), max(_FARTHEST * radius, 2.0 * whole))
+
+
+def _group(surface: Surface, laid: Texture) -> xr.Dataset:
+    return xr.Dataset(
+        {
+            "chainage": ("row", surface.x),
+            "bearing": ("column", surface.bearing),
+            "colour": (("row", "column", "channel"), laid.colour),
+            "seen": (("row", "column"), laid.seen.astype(np.uint8)),
+        },
+        attrs={"cell": float(surface.x[1] - surface.x[0]) if len(surface.x) > 1 else 0.0, "frames": len(laid.used)},
+    )
