@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import heapq
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
@@ -10,6 +11,8 @@ import numpy as np
 from springline.geometry.checks import require
 
 if TYPE_CHECKING:
+    from collections.abc import Collection
+
     from numpy.typing import ArrayLike, NDArray
 
 
@@ -73,32 +76,83 @@ class Bias:
 
 
 def choose_frames(
-    cameras: ArrayLike, places: ArrayLike, bias: Bias, *, each: int = 2
-) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-    """Return the frames to look at for places that geometry proposes.
+    cameras: ArrayLike,
+    places: ArrayLike,
+    low: ArrayLike,
+    high: ArrayLike,
+    *,
+    worth: ArrayLike = 1.0,
+    without: Collection[int] = (),
+) -> NDArray[np.int64]:
+    """Return few frames from which every place is seen well: one frame may serve several.
+
+    The frame that serves most is taken first, then the one that serves most of what is left. Nearer the middle of a
+    place's interval counts for more, by up to a third. A place without a frame in its interval gets the nearest to it,
+    no farther from it than frames usually are apart.
 
     Args:
         cameras: (frames) x of the camera in every frame [m], unknown ones NaN.
         places: (places) x of what is looked for [m].
-        bias: From how far ahead.
-        each: How many frames for every place, spread over the interval.
+        low, high: (places) or scalars, from how far ahead each is seen well [m].
+        worth: (places) or a scalar: below 1 a place is no reason to look at a frame, but makes it worth more.
+        without: Frames that are not to be chosen.
 
     Returns:
-        Numbers of the frames, each once and in order; and for every place (places, each) its frames, -1 where none is.
+        Numbers of the frames, each once and in order.
 
-    Source: 6.5.
+    Source: 6.5; the greedy cover.
 
-    >>> choose_frames([0.0, 0.1, 0.2, 0.3], [0.5], Bias(0.2, 0.4))[0]
-    array([1, 3])
+    >>> choose_frames([0.0, 0.1, 0.2, 0.3], [0.5, 0.55], 0.2, 0.4)
+    array([2])
     """
-    cameras, places = np.asarray(cameras, float), np.atleast_1d(np.asarray(places, float))
-    wanted = np.linspace(bias.low, bias.high, each) if each > 1 else np.array([0.5 * (bias.low + bias.high)])
-    if not len(cameras) or not len(places) or np.isnan(cameras).all():
-        return np.zeros(0, np.int64), np.full((len(places), each), -1)
-    spacing = max(float(np.nanmedian(np.abs(np.diff(cameras)))) if len(cameras) > 1 else 0.0, 1e-9)
-    off = np.abs(places[:, None, None] - cameras - wanted[:, None])
-    off = np.where(np.isnan(off), np.inf, off)
-    nearest = np.argmin(off, axis=-1)
-    far = np.take_along_axis(off, nearest[..., None], axis=-1)[..., 0] > max(spacing, bias.high - bias.low)
-    chosen = np.where(far, -1, nearest)
-    return np.unique(chosen[chosen >= 0]), chosen
+    cameras = np.asarray(cameras, dtype=float)
+    places, low, high, worth = np.broadcast_arrays(
+        *(np.atleast_1d(np.asarray(value, dtype=float)) for value in (places, low, high, worth))
+    )
+    allowed = np.isfinite(cameras)
+    allowed[list(without)] = False
+    frames = np.flatnonzero(allowed)
+    frames = frames[np.argsort(cameras[frames], kind="stable")]
+    if not len(frames):
+        return np.zeros(0, np.int64)
+    x = cameras[frames]
+    apart = float(np.median(np.diff(x))) if len(x) > 1 else 0.0
+    serves: dict[int, list[tuple[int, float]]] = {}
+    for place in range(len(places)):
+        nearest, farthest = places[place] - low[place], places[place] - high[place]
+        first, last = np.searchsorted(x, farthest, "left"), np.searchsorted(x, nearest, "right")
+        if first == last:
+            beside = [at for at in (first - 1, last) if 0 <= at < len(x)]
+            at = min(beside, key=lambda at: max(farthest - x[at], x[at] - nearest))
+            if max(farthest - x[at], x[at] - nearest) > apart:
+                continue
+            first, last = at, at + 1
+        half = max(0.5 * (nearest - farthest), 1e-9)
+        for at in range(first, last):
+            off = min(abs(x[at] - 0.5 * (nearest + farthest)) / half, 1.0)
+            serves.setdefault(int(frames[at]), []).append((place, float(worth[place]) * (1.0 - off / 3.0)))
+    return _cover(serves, worth)
+
+
+def _cover(serves: dict[int, list[tuple[int, float]]], worth: NDArray[np.float64]) -> NDArray[np.int64]:
+    """The frames of the greedy cover of all places of worth 1 or more that any frame serves."""
+    done: set[int] = set()
+
+    def gain(frame: int) -> float:
+        left = [(place, value) for place, value in serves[frame] if place not in done]
+        return sum(value for _, value in left) if any(worth[place] >= 1.0 for place, _ in left) else 0.0
+
+    heap = [(-gain(frame), frame) for frame in serves]
+    heapq.heapify(heap)
+    chosen = []
+    while heap:
+        before, frame = heapq.heappop(heap)
+        now = gain(frame)
+        if now <= 0.0:
+            continue
+        if now < -before - 1e-12:  # others have served some of its places since
+            heapq.heappush(heap, (-now, frame))
+            continue
+        chosen.append(frame)
+        done.update(place for place, _ in serves[frame])
+    return np.array(sorted(chosen), np.int64)

@@ -15,8 +15,8 @@ if TYPE_CHECKING:
 
 _NEAR_X = {"joint": 0.4, "lateral": 0.5}  # radii of the pipe within which two marks are of one thing
 _NEAR_BEARING = 0.45  # rad, of laterals
-_NEUTRAL = {"joint": 55.0, "lateral": 60.0}  # evidence of a frame that speaks neither for nor against
-_TEMPER = 25.0  # samples beside one another, and frames one after the other, see the same
+_ONE_SEEN = 1.0  # log odds against anything at all being where it is seen
+_MISSED = 0.5  # log odds against it for every frame that should show it and does not
 _USUAL = (0.4, 0.45)  # bore of a lateral in radii of the pipe, and the one-sigma of its logarithm
 _STEADY = 0.02  # of the way ahead: what the pose leaves uncertain of it
 
@@ -67,7 +67,7 @@ def put_together(
         Sightings in order along the pipe.
     """
     groups: list[list[tuple[int, Mark]]] = []
-    for frame, mark in sorted(marks, key=lambda one: -one[1].evidence):
+    for frame, mark in sorted(marks, key=lambda one: -one[1].odds):
         for group in groups:
             if _one_thing(group[0][1], mark, radius) and all(frame != other for other, _ in group):
                 group.append((frame, mark))
@@ -130,9 +130,8 @@ def _together(group: list[tuple[int, Mark]], eyes: np.ndarray, radius: float, vi
 
 
 def _log_odds(marks: list[Mark], missed: int) -> float:
-    """Each frame that shows it speaks for it by its evidence, tempered; each that should and does not, against it."""
-    speaks = sum((mark.evidence - _NEUTRAL[mark.kind]) / _TEMPER for mark in marks)
-    return speaks - 1.0 - 0.5 * missed
+    """Each frame that shows it speaks for it; each that should and does not, against it."""
+    return sum(mark.odds for mark in marks) - _ONE_SEEN - _MISSED * missed
 
 
 def _mean(values: np.ndarray, sigmas: np.ndarray) -> tuple[float, float]:

@@ -2,7 +2,7 @@
 
 The frame is laid out on the wall, where the edge of a round lateral is nearly a circle whatever the view; circles are
 found there by the same evidence as joints are in frames, and what they hit is then fitted in the frame itself, pose and
-all. Joints are found in the frame and fitted likewise.
+all. Joints are lines across the wall laid out (`seams`).
 """
 
 from __future__ import annotations
@@ -17,9 +17,9 @@ from springline.geometry.camera import from_pixels
 from springline.imaging.decision import verdict
 from springline.imaging.edges import edge_field
 from springline.imaging.frames import checked_frame
-from springline.imaging.joints import JointRules, find_joints
 from springline.imaging.reprojection import Place, PosePrior, fit_joint, fit_lateral
 from springline.imaging.rings import Shape, find_rings, with_profile
+from springline.imaging.seams import seam_odds, seams_of_frame
 from springline.imaging.unwrapping import wall_grid
 
 if TYPE_CHECKING:
@@ -28,11 +28,14 @@ if TYPE_CHECKING:
     from springline.geometry.lenses import Lens
     from springline.imaging.reprojection import ContourFit
     from springline.imaging.rings import Ring
+    from springline.imaging.seams import Seams
 
     Array = NDArray[np.float64]
 
 _OPENING = Shape(one_sense=False, least_ratio=0.55, flatness=0.3)
 _FINE = 75  # cells of the laid out wall per radius of the pipe
+_NEUTRAL = 60.0  # evidence of a lateral's edge that speaks neither for nor against it
+_TEMPER = 25.0  # evidence is divided by it: samples beside one another see the same edge
 
 
 @dataclass(frozen=True)
@@ -41,6 +44,7 @@ class WallRules:
 
     Attributes:
         nearest, farthest: Of the wall ahead that is looked at for laterals, in radii of the pipe.
+        seam: Least score of a joint's line.
         evidence: Least evidence of a lateral's edge.
         coverage: Least share of its edge that is seen.
         sharpness: Least sharpness of its edge.
@@ -52,6 +56,7 @@ class WallRules:
 
     nearest: float = 0.4
     farthest: float = 3.0
+    seam: float = 5.0
     evidence: float = 50.0
     coverage: float = 0.6
     sharpness: float = 0.3
@@ -71,8 +76,7 @@ class Mark:
         bearing: Of a lateral [rad], and its one-sigma; NaN for a joint.
         radius: Of a lateral's bore [m], and its one-sigma; NaN for a joint.
         inclination: Of a lateral's bore [rad]; NaN for a joint.
-        evidence: Logarithm of the likelihood ratio against the clutter beside it.
-        odds: Log odds of its kind against all others.
+        odds: Log odds that it is there, by this frame alone.
         coverage: Share of its edge that was seen.
         ahead: How far ahead of the camera it is [m].
     """
@@ -85,10 +89,24 @@ class Mark:
     radius: float
     radius_sigma: float
     inclination: float
-    evidence: float
     odds: float
     coverage: float
     ahead: float
+
+
+@dataclass(frozen=True)
+class Looked:
+    """What one frame shows.
+
+    Attributes:
+        marks: Joints and laterals, joints first.
+        seams: How much each place looks like a joint; None where too little of the wall is seen.
+        eye: x of the camera [m].
+    """
+
+    marks: list[Mark]
+    seams: Seams | None
+    eye: float
 
 
 def marks_of_frame(
@@ -101,8 +119,7 @@ def marks_of_frame(
     *,
     prior: PosePrior | None = None,
     rules: WallRules | None = None,
-    joint_rules: JointRules | None = None,
-) -> list[Mark]:
+) -> Looked:
     """Return the joints and laterals of a frame.
 
     Args:
@@ -112,11 +129,10 @@ def marks_of_frame(
         centre: Column and row of its principal point [px].
         r1, r2: Semi-axes of the pipe along z and y [m].
         prior: How far the pose may be off.
-        rules: What counts as a lateral.
-        joint_rules: What counts as a joint.
+        rules: What counts as a lateral or a joint.
 
     Returns:
-        Marks, joints first.
+        Looked.
 
     Raises:
         InputError: The image's shape, type or size is out of range.
@@ -127,7 +143,8 @@ def marks_of_frame(
     matrix = np.asarray(matrix, dtype=float)
     rules, prior = rules or WallRules(), prior or PosePrior()
     view = _View(image, matrix, lens, np.asarray(centre, dtype=float), r1, r2, prior, rules)
-    return view.joints(joint_rules or JointRules()) + view.laterals()
+    seams = seams_of_frame(image, matrix, lens, centre, r1, r2, prior=prior)
+    return Looked(view.joints(seams) + view.laterals(), seams, view.eye_x)
 
 
 @dataclass(frozen=True)
@@ -145,27 +162,14 @@ class _View:
     def eye_x(self) -> float:
         return float(-(self.matrix[:3, :3].T @ self.matrix[:3, 3])[0])
 
-    def joints(self, joint_rules: JointRules) -> list[Mark]:
-        field = edge_field(self.image)
-        if field is None:
+    def joints(self, seams: Seams | None) -> list[Mark]:
+        if seams is None:
             return []
-        marks = []
-        for ring in find_joints(field, joint_rules):
-            hit = field.points[ring.support.hits[ring.support.hits > 0] - 1, :2]
-            shift = ring.rim * (hit - ring.ellipse[:2]) / np.linalg.norm(hit - ring.ellipse[:2], axis=1)[:, None]
-            pixels = (hit + shift + 0.5) / field.scale - 0.5
-            fit = fit_joint(
-                from_pixels(pixels, self.centre),
-                self.matrix,
-                self.lens,
-                self.r1,
-                self.r2,
-                prior=self.prior,
-                noise=self._noise(1.0 / field.scale.min()),
-            )
-            if fit and math.isfinite(fit.cost):
-                marks.append(self._mark(fit, ring, ring.evidence, ring.evidence))
-        return marks
+        unknown = (math.nan,) * 5
+        return [
+            Mark("joint", x, sigma, *unknown, seam_odds(score, expected=False), 1.0, x - self.eye_x)
+            for score, x, sigma in seams.peaks(self.rules.seam)
+        ]
 
     def laterals(self) -> list[Mark]:
         rules, radius = self.rules, max(self.r1, self.r2)
@@ -200,18 +204,15 @@ class _View:
                     self.r1,
                     self.r2,
                     prior=self.prior,
-                    noise=self._noise(0.0),
+                    noise=rules.noise,
                     near=near,
                 )
                 for fit in (fit_lateral, fit_joint)
             ]
             odds = verdict(*fits)
             if fits[0] and odds >= rules.odds:
-                found.append((ring, self._mark(fits[0], ring, evidence, odds)))
+                found.append((ring, self._mark(fits[0], ring, (evidence - _NEUTRAL) / _TEMPER)))
         return [mark for _, mark in found]
-
-    def _noise(self, least: float) -> float:
-        return max(self.rules.noise, 0.5 * least)
 
     def _size_cost(self, ellipses: Array) -> Array:
         """Circles that no lateral has are out of the question, unusual ones cost what the prior says."""
@@ -221,25 +222,21 @@ class _View:
         cost = 0.5 * (np.log(size / usual) / spread) ** 2
         return np.where((size < small) | (size > large), 1e3, cost)
 
-    def _mark(self, fit: ContourFit, ring: Ring, evidence: float, odds: float) -> Mark:
-        lateral = fit.kind == "lateral"
-        x, x_sigma = fit.value("x"), fit.sigma("x")
-        if lateral:
-            # an inclined bore leaves the wall elsewhere than its axis meets the pipe's
-            tilt, reach = fit.value("inclination"), math.sqrt(self.r1 * self.r2)
-            slope = np.zeros(len(fit.parameters))
-            slope[0], slope[-1] = 1.0, reach / math.cos(tilt) ** 2
-            x, x_sigma = x + reach * math.tan(tilt), math.sqrt(float(slope @ fit.covariance @ slope))
+    def _mark(self, fit: ContourFit, ring: Ring, odds: float) -> Mark:
+        # an inclined bore leaves the wall elsewhere than its axis meets the pipe's
+        tilt, reach = fit.value("inclination"), math.sqrt(self.r1 * self.r2)
+        slope = np.zeros(len(fit.parameters))
+        slope[0], slope[-1] = 1.0, reach / math.cos(tilt) ** 2
+        x, x_sigma = fit.value("x") + reach * math.tan(tilt), math.sqrt(float(slope @ fit.covariance @ slope))
         return Mark(
-            fit.kind,
+            "lateral",
             x,
             x_sigma / ring.support.coverage,
-            fit.value("bearing") if lateral else math.nan,
-            fit.sigma("bearing") if lateral else math.nan,
-            fit.value("radius") if lateral else math.nan,
-            fit.sigma("radius") if lateral else math.nan,
-            fit.value("inclination") if lateral else math.nan,
-            evidence,
+            fit.value("bearing"),
+            fit.sigma("bearing"),
+            fit.value("radius"),
+            fit.sigma("radius"),
+            tilt,
             odds,
             ring.support.coverage,
             x - self.eye_x,

@@ -8,11 +8,11 @@ from springline.imaging.wall import Mark
 EYES = [0.0, 0.1, 0.2, 0.3, 0.4]
 
 
-def _mark(kind, x, eye, *, bearing=1.0, radius=0.06, evidence=110.0):
+def _mark(kind, x, eye, *, bearing=1.0, radius=0.06, odds=2.0):
     lateral = kind == "lateral"
     size = (radius, 0.002) if lateral else (math.nan, math.nan)
     turn = (bearing, 0.02, *size, 0.0) if lateral else (math.nan,) * 5
-    return Mark(kind, x, 0.004, *turn, evidence, 20.0, 0.9, x - eye)
+    return Mark(kind, x, 0.004, *turn, odds, 0.9, x - eye)
 
 
 def test_frames_that_show_one_thing_agree_on_it():
@@ -31,13 +31,13 @@ def test_bearings_meet_across_the_turn():
 
 def test_small_and_rare_marks_are_doubted():
     often = [(k, _mark("lateral", 0.5, EYES[k])) for k in (1, 2, 3)]
-    small = [(k, _mark("lateral", 0.5, EYES[k], bearing=-1.0, radius=0.02, evidence=66.0)) for k in (1, 2)]
+    small = [(k, _mark("lateral", 0.5, EYES[k], bearing=-1.0, radius=0.02, odds=0.24)) for k in (1, 2)]
     sure, doubtful = sorted(put_together(often + small, EYES, 0.15), key=lambda one: -one.probability)
     assert sure.probability > 0.95 and doubtful.probability < 0.2
 
 
 def test_two_joints_are_never_closer_than_the_pipe_is_wide():
-    marks = [(k, _mark("joint", 0.5, EYES[k])) for k in (0, 1, 2)] + [(3, _mark("joint", 0.7, EYES[3], evidence=60.0))]
+    marks = [(k, _mark("joint", 0.5, EYES[k])) for k in (0, 1, 2)] + [(3, _mark("joint", 0.7, EYES[3], odds=0.2))]
     found = put_together(marks, EYES, 0.15)
     assert len(found) == 1 and abs(found[0].x - 0.5) < 1e-3
     assert put_together([], [], 0.15) == []
