@@ -3,6 +3,10 @@
 from __future__ import annotations
 
 import json
+import signal
+import subprocess
+import sys
+import time
 from functools import partial
 from pathlib import Path
 
@@ -125,3 +129,18 @@ def test_an_interrupt_within_a_kernel_is_an_interrupt(mine, tmp_path, monkeypatc
         return
     code, _, err = run(mine, "-o", tmp_path / "x.zarr")
     assert (code, "stopped" in err, "Traceback" in err) == (130, True, False)
+
+
+def test_a_request_to_end_leaves_nothing_behind(tmp_path):
+    long = tmp_path / "long.toml"
+    long.write_text(SCENARIO.replace("length = 1.0", "length = 400.0"), encoding="utf-8")
+    out = tmp_path / "out"
+    out.mkdir()
+    words = [sys.executable, "-m", "springline", "simulate", str(long), "-o", str(out / "x.zarr")]
+    process = subprocess.Popen(words, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
+    while process.poll() is None and not list(out.iterdir()):
+        time.sleep(0.05)
+    process.send_signal(signal.SIGTERM)
+    _, err = process.communicate(timeout=60)
+    assert (process.returncode, "Traceback" in err) == (130, False)
+    assert list(out.iterdir()) == []

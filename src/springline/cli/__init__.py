@@ -5,6 +5,7 @@ Exit codes: 0 done; 1 a fault of ours; 2 the input or the command is wrong; 3 do
 
 from __future__ import annotations
 
+import signal
 import sys
 from importlib import import_module
 from typing import Any
@@ -72,7 +73,11 @@ def _root() -> None:
 
 
 def main() -> None:
-    """Run the command line; every deliberate error becomes one message on stderr and exit code 2."""
+    """Run the command line; every deliberate error becomes one message on stderr and exit code 2.
+
+    A request to end (SIGTERM, as of `timeout` and of services) is taken as Ctrl-C is: nothing half-written stays.
+    """
+    before = signal.signal(signal.SIGTERM, signal.default_int_handler)
     try:
         app(standalone_mode=True)
     except SpringlineError as error:
@@ -83,6 +88,8 @@ def main() -> None:
             raise
         sys.stderr.write("springline: stopped; nothing was written\n")
         sys.exit(130)
+    finally:
+        signal.signal(signal.SIGTERM, before)
 
 
 def _is_interrupt(error: BaseException | None) -> bool:
