@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 
@@ -16,9 +16,20 @@ if TYPE_CHECKING:
 _NEAR_X = {"joint": 0.4, "lateral": 0.5}  # radii of the pipe within which two marks are of one thing
 _NEAR_BEARING = 0.45  # rad, of laterals
 _ONE_SEEN = 1.0  # log odds against anything at all being where it is seen
+_SHORTEST = 2.0  # radii of the pipe between two joints
+_OVERLAP = 0.8  # of the sum of two bores: nearer than that they are one
 _MISSED = 0.5  # log odds against it for every frame that should show it and does not
 _USUAL = (0.4, 0.45)  # bore of a lateral in radii of the pipe, and the one-sigma of its logarithm
 _STEADY = 0.02  # of the way ahead: what the pose leaves uncertain of it
+
+
+class Standing(Protocol):
+    """Anything that stands somewhere in the pipe."""
+
+    kind: str
+    x: float
+    bearing: float
+    radius: float
 
 
 @dataclass(frozen=True)
@@ -77,10 +88,28 @@ def put_together(
     place = np.asarray(eyes, dtype=float)
     kept: list[Sighting] = []
     for one in sorted((_together(group, place, radius, view) for group in groups), key=lambda one: -one.log_odds):
-        # no pipe between two joints is shorter than it is wide
-        if one.kind == "lateral" or all(o.kind != "joint" or abs(o.x - one.x) > 2.0 * radius for o in kept):
+        if not any(excludes(other, one, radius) for other in kept):
             kept.append(one)
     return sorted(kept, key=lambda one: one.x)
+
+
+def excludes(kept: Standing, other: Standing, radius: float) -> bool:
+    """Return whether what stands somewhere leaves no room for another thing.
+
+    No pipe between two joints is shorter than it is wide, and no two laterals open into one another: what is seen
+    there is the same thing, seen askew.
+
+    Args:
+        kept, other: With kind, x, bearing and radius; a lateral of unknown bore is taken for a usual one.
+        radius: Of the pipe [m].
+    """
+    if kept.kind != other.kind:
+        return False
+    if kept.kind == "joint":
+        return abs(kept.x - other.x) < _SHORTEST * radius
+    turn = (kept.bearing - other.bearing + math.pi) % (2.0 * math.pi) - math.pi
+    room = sum(one.radius if math.isfinite(one.radius) else _USUAL[0] * radius for one in (kept, other))
+    return math.hypot(kept.x - other.x, radius * turn) < _OVERLAP * room
 
 
 def _one_thing(one: Mark, other: Mark, radius: float) -> bool:

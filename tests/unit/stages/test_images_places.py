@@ -21,6 +21,7 @@ def survey(joints, confidence=0.98, candidates=()):
             "chainage": ("feature", np.array(joints, dtype=float)),
             "confidence": ("feature", np.full(count, confidence)),
             "bearing": ("feature", np.full(count, np.nan)),
+            "size": ("feature", np.full(count, 0.008)),
         }
     )
     kinds, distance, probability = zip(*candidates, strict=True) if candidates else ((), (), ())
@@ -30,6 +31,7 @@ def survey(joints, confidence=0.98, candidates=()):
             "distance": ("candidate", np.array(distance, dtype=float)),
             "probability": ("candidate", np.array(probability, dtype=float)),
             "bearing": ("candidate", np.zeros(len(kinds))),
+            "size": ("candidate", np.full(len(kinds), 0.1)),
         }
     )
     station = np.linspace(0.0, length, 1001)

@@ -9,6 +9,7 @@ import numpy as np
 import xarray as xr
 
 from ...conventions import GROUPS
+from .unbroken import Unbroken
 from .views import LEVEL_SIGMA, ROLL_SIGMA
 
 if TYPE_CHECKING:
@@ -21,7 +22,6 @@ _ALIKE = 0.5
 _TURNED = 0.45
 _AGREES = 3.0
 _LEAST_TURN = math.radians(0.3)
-_APART = 2.0
 
 
 def with_candidates(survey: Survey, seen: list[Sighting], paths: np.ndarray) -> xr.Dataset:
@@ -60,11 +60,17 @@ def with_features(
         looking: Which frames were looked at.
         least: Features less probable than this are left out.
     """
+    from ...imaging.sightings import excludes
+
+    def alone(one: Place | Sighting, others: list[Place]) -> bool:
+        return not any(excludes(other, one, looking.radius) for other in others)
+
     data, kept = survey.features.copy(deep=True), []
     columns = {name: data[name].values.copy() for name in ("confidence", "bearing", "bearing_sigma")}
     if looking.views.level is not None:
         _level(columns, data["first_ring"].values, data["last_ring"].values, looking.views.level)
     source, image = data["source"].values.astype("U64"), data["image"].values.astype("U256")
+    unbroken = Unbroken(survey, looking.views.level, looking.radius)
     matched: set[int] = set()
     rows: list[dict[str, object]] = []
     refused: set[int] = set()
@@ -73,24 +79,25 @@ def with_features(
         if k is not None:
             matched.add(k)
         if place.feature < 0:
-            if place.shown and _probable(place.log_odds) >= least and k is not None and _alone(place, kept, looking):
+            if place.shown and _probable(place.log_odds) >= least and k is not None and alone(place, kept):
                 kept.append(place)
                 rows.append(_row(seen[k], looking, _probable(place.log_odds)))
             continue
         if place.looked:
             columns["confidence"][place.feature] = _probable(place.log_odds)
-            if _probable(place.log_odds) < least or not (place.shown or _alone(place, kept, looking)):
-                refused.add(place.feature)
-                continue
+        doubted = place.looked and _probable(place.log_odds) < least
+        if doubted or not (place.shown or alone(place, [one for one in kept if one.shown])):
+            refused.add(place.feature)
+            continue
         kept.append(place)
         if place.shown:
             source[place.feature], image[place.feature] = "both", str(looking.paths[place.shown[0]])
         if k is not None and place.kind == "lateral":
             _refine(columns, place.feature, seen[k], looking)
     for k, one in enumerate(seen):
-        if k not in matched and one.probability >= least and _alone(one, kept, looking):
-            kept.append(one)
-            rows.append(_row(one, looking, one.probability))
+        probability = _probable(one.log_odds - unbroken.against(one))
+        if k not in matched and probability >= least and alone(one, kept):
+            rows.append(_row(one, looking, probability))
     names = ("feature",)
     data = data.assign({name: (names, values) for name, values in columns.items()})
     data = data.assign(source=(names, source), image=(names, image))
@@ -110,12 +117,6 @@ def _match(place: Place, seen: list[Sighting], taken: set[int], radius: float) -
         if off < (place.within + 2.0 * one.x_sigma if one.kind == "joint" else _ALIKE * radius) and abs(turn) < _TURNED:
             best, nearest = k, off
     return best
-
-
-def _alone(one: Place | Sighting, kept: list[Place | Sighting], looking: Looking) -> bool:
-    """Return whether no surer joint stands nearer than the pipe is wide; laterals may stand anywhere."""
-    near = _APART * looking.radius
-    return one.kind != "joint" or all(other.kind != "joint" or abs(other.x - one.x) > near for other in kept)
 
 
 def _level(columns: dict[str, np.ndarray], first: np.ndarray, last: np.ndarray, roll: np.ndarray) -> None:
@@ -163,7 +164,7 @@ def _row(one: Sighting, looking: Looking, confidence: float) -> dict[str, object
 
 
 def _probable(log_odds: float) -> float:
-    return 1.0 / (1.0 + math.exp(-log_odds))
+    return 1.0 / (1.0 + math.exp(-min(max(log_odds, -50.0), 50.0)))
 
 
 def _longer(data: xr.Dataset, along: str, rows: list[dict[str, object]]) -> xr.Dataset:

@@ -33,6 +33,7 @@ class Place:
         within: How far off it may be [m].
         log_odds: That it is there, by all that has spoken so far.
         bearing: Of a lateral [rad]; NaN for a joint.
+        radius: Of a lateral's bore [m]; NaN when it is not known, and for a joint.
         feature: Its row in `/features`; -1 without one.
         looked: Frames that were looked at and in which it stood in good view.
         shown: Those of them that show it.
@@ -43,6 +44,7 @@ class Place:
     within: float
     log_odds: float
     bearing: float = math.nan
+    radius: float = math.nan
     feature: int = -1
     looked: list[int] = field(default_factory=list)
     shown: list[int] = field(default_factory=list)
@@ -60,9 +62,11 @@ def places_of(survey: Survey, radius: float) -> list[Place]:
     """
     found, seen, section = survey.features, survey.candidates, survey.section
     places = [
-        Place(str(kind), float(x), _within(str(kind), radius), log_odds(float(p)), float(bearing), row)
-        for row, (kind, x, p, bearing) in enumerate(
-            zip(*(found[name].values for name in ("kind", "chainage", "confidence", "bearing")), strict=True)
+        Place(
+            str(kind), float(x), _within(str(kind), radius), log_odds(float(p)), float(bearing), 0.5 * float(size), row
+        )
+        for row, (kind, x, p, bearing, size) in enumerate(
+            zip(*(found[name].values for name in ("kind", "chainage", "confidence", "bearing", "size")), strict=True)
         )
         if str(kind) in KINDS
     ]
@@ -72,8 +76,9 @@ def places_of(survey: Survey, radius: float) -> list[Place]:
     for row in np.flatnonzero(seen["probability"].values >= _LEAST_PROBABILITY):
         kind = str(seen["kind"].values[row])
         if kind in KINDS and all(kind != other or abs(x[row] - at) > _SAME for other, at in confirmed):
-            odds, bearing = log_odds(float(seen["probability"].values[row])), float(seen["bearing"].values[row])
-            places.append(Place(kind, float(x[row]), _within(kind, radius), min(odds, 0.0), bearing))
+            odds = min(log_odds(float(seen["probability"].values[row])), 0.0)
+            bearing, size = (float(seen[name].values[row]) for name in ("bearing", "size"))
+            places.append(Place(kind, float(x[row]), _within(kind, radius), odds, bearing, 0.5 * size))
     return sorted(places + _spaced(places), key=lambda place: place.x)
 
 
