@@ -14,13 +14,12 @@ from .stages.design_line import design_line
 from .stages.detect import detect
 from .stages.estimate import estimate
 from .stages.features import features
-from .stages.images import images
+from .stages.images import images, texture
 from .stages.liner import liner
 from .stages.metrics import metrics
 from .stages.overrides import corrections, masks
 from .stages.ring_video import ring_video
 from .stages.rings import rings
-from .stages.texture import texture
 from .survey import add_run, validate
 
 if TYPE_CHECKING:

@@ -236,7 +236,7 @@ RESULTS = (
     ),
     Group(
         "texture",
-        "stages.texture",
+        "stages.images",
         "the wall's colours as frames show them, the lamp's fall of light taken away",
         (
             var("chainage", "row", "m", "chainage of the row's middle", required=True),

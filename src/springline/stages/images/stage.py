@@ -8,6 +8,7 @@ import numpy as np
 
 from ...errors import MissingExtraError
 from ...survey import add_assumption, add_warning
+from .filmed import filmed
 from .looking import Looking
 from .merging import with_candidates, with_features
 from .places import places_of
@@ -15,7 +16,6 @@ from .views import views_of
 
 if TYPE_CHECKING:
     from ...config import Config
-    from ...imaging.lens_table import MountedCamera
     from ...survey import Survey
 
 _NAMED = 5
@@ -39,20 +39,13 @@ def images(survey: Survey, config: Config) -> Survey:
 
     Source: dissertation 6.4 and 6.5.
     """
-    mounted = _cameras(survey)
-    radius = _radius(survey)
-    if not mounted or not survey.has("features") or not np.isfinite(radius):
+    film, radius = filmed(survey), _radius(survey)
+    if film is None or not survey.has("features") or not np.isfinite(radius):
         return survey
-    frames = survey.frames
-    paths = frames["path"].values.astype(str)
-    distance = frames["distance"].values if "distance" in frames else np.full(len(paths), np.nan)
-    names = frames["lens"].values.astype(str) if "lens" in frames else np.full(len(paths), next(iter(mounted)))
-    usable = np.isin(names, list(mounted))
-    cameras = [mounted.get(name, next(iter(mounted.values()))) for name in names]
-    views = views_of(survey, np.where(usable, distance, np.nan), cameras)
+    views = views_of(survey, film.distance, film.cameras)
     places = places_of(survey, radius)
-    looking = Looking(paths, frames.attrs.get("folder", "."), cameras, views, radius)
-    looking.troubles += [f"{path} (it has no distance)" for path in paths[usable & np.isnan(distance)]]
+    looking = Looking(film.paths, film.folder, film.cameras, views, radius)
+    looking.troubles += [f"{path} (it has no distance)" for path in film.paths[film.usable & np.isnan(film.distance)]]
     try:
         if config.detect.every_frame:
             looking.everywhere(places)
@@ -60,20 +53,11 @@ def images(survey: Survey, config: Config) -> Survey:
             looking.at_places(places)
     except MissingExtraError as missing:
         return add_warning(survey, f"The frames were not looked at: {missing}")
-    survey = _told(survey, looking, int(usable.sum()))
+    survey = _told(survey, looking, int(film.usable.sum()))
     seen = looking.sightings()
-    survey = survey.corrected("candidates", with_candidates(survey, seen, paths))
+    survey = survey.corrected("candidates", with_candidates(survey, seen, film.paths))
     least = config.detect.least_confidence
     return survey.corrected("features", with_features(survey, places, seen, looking, least))
-
-
-def _cameras(survey: Survey) -> dict[str, MountedCamera]:
-    """Lenses of the survey that take plain pictures, by name."""
-    from ...imaging.lens_table import cameras_of_calibration
-
-    if not survey.has("frames") or not survey.has("calibration"):
-        return {}
-    return cameras_of_calibration(survey.calibration.attrs, laser=False)
 
 
 def _radius(survey: Survey) -> float:

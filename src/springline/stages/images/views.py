@@ -33,6 +33,8 @@ class Views(NamedTuple):
 
     Attributes:
         x: (frame,) its chainage [m]; NaN where it is not known.
+        station: (frame,) chainage of a ring taken at the same reading of the counter, where offsets and turns are
+            known [m].
         eye: (frame, 3) chainage, height above and way right of the pipe's axis [m].
         axes: (frame, 3, 3) its forward, up and right in the pipe.
         half: (frame, 2) half widths of the pipe across and up [m].
@@ -43,6 +45,7 @@ class Views(NamedTuple):
     """
 
     x: np.ndarray
+    station: np.ndarray
     eye: np.ndarray
     axes: np.ndarray
     half: np.ndarray
@@ -89,7 +92,7 @@ def views_of(survey: Survey, distance: np.ndarray, cameras: list[MountedCamera])
     radius = float(np.nanmedian(half))
     off = np.hypot(_sigma(pose, "offset_y", 0.0), _OFFSET * radius)
     tilt = _TILT if not (known["pitch"] and known["yaw"]) else np.hypot(_sigma(pose, "pitch", _TILT), _TURN)
-    return Views(eye[:, 0], eye, axes, half, PosePrior(float(off), float(tilt)), float(roll_sigma), level)
+    return Views(eye[:, 0], x, eye, axes, half, PosePrior(float(off), float(tilt)), float(roll_sigma), level)
 
 
 def level_roll(survey: Survey) -> np.ndarray | None:

@@ -7,14 +7,16 @@ from typing import TYPE_CHECKING
 import numpy as np
 import xarray as xr
 
-from ..errors import MissingExtraError
-from ..survey import add_warning
+from ...errors import MissingExtraError
+from ...survey import add_warning
+from .filmed import filmed
+from .views import views_of
 
 if TYPE_CHECKING:
-    from ..config import Config
-    from ..imaging.lens_table import MountedCamera
-    from ..imaging.texture import Surface, Texture, View
-    from ..survey import Survey
+    from ...config import Config
+    from ...imaging.texture import Surface, Texture, View
+    from ...survey import Survey
+    from .filmed import Filmed
 
     Array = np.ndarray
 
@@ -41,24 +43,22 @@ def texture(survey: Survey, config: Config) -> Survey:
     Raises:
         InputError: A lens table cannot be used.
     """
-    mounted = _cameras(survey) if config.texture.lay else {}
-    if not mounted or not np.isfinite(survey.section["parameters"].values[:, 0]).any():
+    film = filmed(survey) if config.texture.lay else None
+    if film is None or not np.isfinite(survey.section["parameters"].values[:, 0]).any():
         return survey
-    from ..imaging.moving import each_frame
-    from ..imaging.texture import lay_frames
+    from ...imaging.moving import each_frame
+    from ...imaging.texture import lay_frames
 
-    frames = survey.frames
-    paths = frames["path"].values.astype(str)
     surface = _surface(survey, config.texture.cell)
-    numbers, views = _views(survey, mounted)
+    numbers, views = _views(survey, film)
+    paths = film.paths[numbers]
     near, far = _reach(views, float(np.nanmedian(surface.parameters[:, 0])))
-    folder = frames.attrs.get("folder", ".")
     try:
-        laid = lay_frames(surface, views, lambda chosen: each_frame(paths[numbers[chosen]], folder), near, far)
+        laid = lay_frames(surface, views, lambda chosen: each_frame(paths[chosen], film.folder), near, far)
     except MissingExtraError as missing:
         return add_warning(survey, f"The frames were not laid on the wall: {missing}")
     if laid.refused:
-        names = [f"{paths[numbers[k]]} ({why})" for k, why in laid.refused[:_NAMED]]
+        names = [f"{paths[k]} ({why})" for k, why in laid.refused[:_NAMED]]
         more = f" and {len(laid.refused) - _NAMED} more" if len(laid.refused) > _NAMED else ""
         survey = add_warning(survey, f"Frames that could not be laid on the wall: {'; '.join(names)}{more}.")
     if not laid.seen.any():
@@ -66,18 +66,9 @@ def texture(survey: Survey, config: Config) -> Survey:
     return survey.with_group("texture", _group(surface, laid))
 
 
-def _cameras(survey: Survey) -> dict[str, MountedCamera]:
-    """Lenses of the survey that take plain pictures, by name."""
-    if not survey.has("frames") or not survey.has("calibration") or "distance" not in survey.frames:
-        return {}
-    from ..imaging.lens_table import cameras_of_calibration
-
-    return cameras_of_calibration(survey.calibration.attrs, laser=False)
-
-
 def _surface(survey: Survey, cell: float) -> Surface:
     """The wall at rows of about `cell` [m], coarser where that were too many."""
-    from ..imaging.texture import Surface
+    from ...imaging.texture import Surface
 
     section = survey.section
     place, shape = section["chainage"].values, section["parameters"].values
@@ -111,40 +102,16 @@ def _directions(survey: Survey, x: Array) -> tuple[Array, Array]:
     return heading, np.arctan(np.interp(x, place[order], climb[order]))
 
 
-def _views(survey: Survey, mounted: dict[str, MountedCamera]) -> tuple[Array, list[View]]:
-    """Numbers of the frames whose lens and place are known, and from where each was taken.
+def _views(survey: Survey, film: Filmed) -> tuple[Array, list[View]]:
+    """Numbers of the frames whose camera and place are known, and from where each was taken."""
+    from ...geometry.camera import camera_at
+    from ...imaging.texture import View
 
-    Unknown offsets and tilts are taken for none.
-    """
-    from ..geometry.camera import camera_at
-    from ..geometry.robot import frame
-    from ..imaging.texture import View
-
-    frames, rings, pose = survey.frames, survey.rings, survey.pose
-    distance = frames["distance"].values
-    names = frames["lens"].values.astype(str) if "lens" in frames else np.full(len(distance), next(iter(mounted)))
-    numbers = np.flatnonzero(np.isin(names, list(mounted)) & np.isfinite(distance))
-    distance, counter = distance[numbers], rings["distance"].values
-
-    def at(places: Array, values: Array, missing: float) -> Array:
-        good = np.isfinite(values) & np.isfinite(places)
-        order = np.flatnonzero(good)[np.argsort(places[good], kind="stable")]
-        return np.interp(distance, places[order], values[order]) if len(order) else np.full(len(distance), missing)
-
-    station = survey.section["distance"].values
-    chainage = at(station, survey.section["chainage"].values, np.nan)
-    # beyond the first and the last station the counter runs on
-    chainage = chainage + distance - np.clip(distance, np.nanmin(station), np.nanmax(station))
-    known = {name: at(counter, pose[name].values, 0.0) for name in ("offset_y", "offset_z", "pitch", "yaw", "roll")}
-    sensor = np.array([float(rings.attrs.get(f"position_{axis}", 0.0)) for axis in "xyz"])
-    robot = frame(known["pitch"], known["yaw"], known["roll"])
-    offset = np.stack([np.zeros_like(chainage), known["offset_y"], known["offset_z"]], axis=-1)
-    views = []
-    for k, number in enumerate(numbers):
-        camera = mounted[names[number]]
-        eye = offset[k] + (np.array(camera.position) - sensor) @ robot[k]
-        views.append(View(float(chainage[k]), camera_at(eye, camera.axes @ robot[k]), camera))
-    return numbers, views
+    found = views_of(survey, film.distance, film.cameras)
+    numbers = np.flatnonzero(np.isfinite(found.x))
+    # about the station of the ring, from which the axis may bend on the way to the camera
+    eye = found.eye - np.stack([found.station, *np.zeros((2, len(found.x)))], axis=-1)
+    return numbers, [View(float(found.station[k]), camera_at(eye[k], found.axes[k]), film.cameras[k]) for k in numbers]
 
 
 def _reach(views: list[View], radius: float) -> tuple[float, float]:
