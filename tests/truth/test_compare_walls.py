@@ -73,10 +73,11 @@ def test_another_robot_odometer_and_roll_are_no_change(compared):
 
 
 def test_the_stated_detectable_dent_is_that_of_its_noise(compared):
-    # 1 mm in both, 10 mm by 1 degree: a cos^2 dent of 190 mm x 35 degrees at half depth spans 1330 readings' weight.
+    # 1 mm in both, 10 mm by 1 degree: a cos^2 dent of 190 mm x 35 degrees at half depth spans 1330 readings' weight,
+    # and one false alarm in 100 m over all sizes takes a score of about five.
     for found in compared:
         cells = 0.375**2 * 38 * 70
-        best = (5.18 + 1.645) * np.sqrt(2.0) / np.sqrt(cells)
+        best = (4.8 + 1.645) * np.sqrt(2.0) / np.sqrt(cells)
         assert best < 1e3 * found.detectable["patch"] < 1.6 * best
 
 

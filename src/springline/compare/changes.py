@@ -123,6 +123,8 @@ def look(profile: Profile, step: float, rate: float) -> Looked:
     limit = float(brentq(lambda u: np.log(alarms(u) / rate), 0.5, 12.0))
     weight = np.where(known, 1.0 / np.maximum(np.nan_to_num(profile.sigma), 1e-12) ** 2, 0.0)
     pull = np.where(known, profile.change, 0.0) * weight
+    # A window may stand on a station that is not known itself, such as a joint.
+    fixed = np.interp(np.arange(len(known)), np.flatnonzero(known), profile.fixed[known])
     best, found = np.zeros(len(known)), np.zeros((len(known), 3))
     detectable = np.nan
     for length, h in zip(windows, shapes, strict=True):
@@ -135,7 +137,7 @@ def look(profile: Profile, step: float, rate: float) -> Looked:
             continue
         off = mean[seen] - np.median(mean[seen])
         spread = max(1.0, 1.4826 * float(np.median(np.abs(off / own[seen]))))
-        sigma = np.hypot(spread * own, np.nan_to_num(profile.fixed))
+        sigma = np.hypot(spread * own, fixed)
         if length == TOLD:
             detectable = (limit + DETECTION) * float(np.median(sigma[seen]))
         score = np.where(seen, mean, 0.0) / np.maximum(sigma, 1e-15)

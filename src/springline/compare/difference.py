@@ -6,16 +6,11 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-from scipy.ndimage import (
-    binary_dilation,
-    maximum_filter,
-    median_filter,
-    minimum_filter,
-    uniform_filter,
-    uniform_filter1d,
-)
+from scipy.ndimage import median_filter
 
 from ..geometry.measures import polar_radius
+from .edges import COMPARED, SPIKE, at_joints, coarser, joint_rows, rims, why_compared
+from .shape import local_sigma, pattern_of, roll_left, without_shape
 from .texture import sample
 
 if TYPE_CHECKING:
@@ -24,30 +19,8 @@ if TYPE_CHECKING:
     from .registration import Registration
     from .wall import Wall
 
-_SHAPE = 1.5  # m over which orders 0 to 2 of the difference are shape, told by diameters, not patches
-_LOCAL = 1.0  # m over which the scatter is taken
-_EDGE = 7.0  # scatters that neighbours differ by at an edge
-_JOINT_LENGTH = 0.05  # m: what stands out all round over no more than this is a joint
-_JOINT_SIGMAS = 6.0
-_FAR, _FAR_SHARE = 5.0, 0.03  # scatters, and the share of a ring's readings so far off that a short event is a joint
-_NEAR_JOINT = 2  # rows beside a joint that are left out with it
-_CLEAR = 1.0  # scatters of a cell, by which the mean of 25 stands out five times as far
 _SPIKE = 4.5  # scatters
-_RIM = 4  # cells beside an opening that its rim may reach
 _LEAST_NOISE = 0.1  # of the readings' scatter: no cell is surer, however alike two maps are
-_LEAST_NOISE = 0.1  # of the readings' scatter: no cell is surer, however alike two maps are
-_PATTERN_LENGTH = 5.0  # m from which a pattern that all rings share can be told from a patch
-
-COMPARED, UNSEEN_A, UNSEEN_B, EDGE, UNPLACED, SPIKE = 0, 1, 2, 3, 4, 5
-WHY_NOT = {
-    COMPARED: "compared",
-    UNSEEN_A: "not seen in A",
-    UNSEEN_B: "not seen in B",
-    EDGE: "an edge of the wall: joint, lateral or step",
-    UNPLACED: "place in B not certain",
-    SPIKE: "a lone reading far off",
-}
-"""Why a cell of the difference map has a value (0) or none."""
 
 
 @dataclass(frozen=True)
@@ -92,17 +65,18 @@ class Difference:
         return float(self.chainage[1] - self.chainage[0]) if len(self.chainage) > 1 else 0.0
 
 
-def difference(a: Wall, b: Wall, placed: Registration) -> Difference:
+def difference(a: Wall, b: Wall, placed: Registration, joints: tuple[NDArray, NDArray] | None = None) -> Difference:
     """Return the difference of two walls.
 
     Sections are compared about their own middles, so that neither sensor's place in the pipe matters. The common scale
-    of the ranges is taken from the ratio of mean radii; the orders 0 to 2 of each ring, averaged over 1.5 m, are left
+    of the ranges is taken from the ratio of mean radii; the orders 0 to 2 of each ring, averaged over 3 m, are left
     to the diameters; a pattern that all rings share is taken away and kept.
 
     Args:
         a: Wall of the first inspection.
         b: Wall of the second, as driven.
         placed: Where A's rings lie in B.
+        joints: Chainage and gap (k, 2) [m] of the joints found in A, and of those found in B.
     """
     turned = b.mirrored(placed.extent_b) if placed.reversed else b
     rows = min(a.surface.shape[1], b.surface.shape[1])
@@ -111,24 +85,28 @@ def difference(a: Wall, b: Wall, placed: Registration) -> Difference:
     x = np.arange(a.extent[0], a.extent[1] + 0.5 * step, step)
     y = placed.at(x)[0]
     own = sum(placed.extent_b) - y if placed.reversed else y
-    wall_a, seen_a = _coarser(*sample(a.chainage, a.surface, x, 3.0 * step), rows)
-    wall_b, seen_b = _coarser(*sample(turned.chainage, turned.surface, np.nan_to_num(own, nan=-1e9), 3.0 * step), rows)
+    wall_a, seen_a = coarser(*sample(a.chainage, a.surface, x, 3.0 * step), rows)
+    wall_b, seen_b = coarser(*sample(turned.chainage, turned.surface, np.nan_to_num(own, nan=-1e9), 3.0 * step), rows)
     wall_b, seen_b = _rolled(wall_b, seen_b, placed.roll_at(x))
     section_a = _sections(a, x)
     section_b = _turn(_sections(turned, own), placed.roll_at(x))
     scale, scale_sigma = _scale(section_a[:, 0], section_b[:, 0])
     radius = [polar_radius(p[:, None, :], bearing) for p in (section_a, section_b)]
     change = (radius[1] + wall_b) / (1.0 + scale) - (radius[0] + wall_a)
-    joint = _joints(wall_a, seen_a, section_a, step) | _joints(wall_b, seen_b, section_b, step)
-    rim = _rims(a, x, rows, None) | _rims(turned, own, rows, placed.roll_at(x))
-    why = _why(wall_a, wall_b, seen_a, seen_b, rim | joint[:, None], placed.reliable(x))
+    joint = joint_rows(wall_a, seen_a, section_a, step) | joint_rows(wall_b, seen_b, section_b, step)
+    for at, found in zip((x, y), joints or (), strict=bool(joints)):
+        joint |= at_joints(at, found, step)
+    rim = rims(a, x, rows, None) | rims(turned, own, rows, placed.roll_at(x))
+    why = why_compared(wall_a, wall_b, seen_a, seen_b, rim | joint[:, None], placed.reliable(x))
     change = np.where(why == COMPARED, change, np.nan).astype(np.float32)
+    both = 0.5 * (radius[0] + radius[1]), 0.5 * (wall_a + wall_b)
+    change -= roll_left(change, *both, placed.roll_sigma_at(x), step).astype(np.float32)
     spike = _spikes(change, step)
     why[spike], change[spike] = SPIKE, np.nan
-    change = _without_shape(change, bearing, step)
-    pattern = _pattern(change, float(x[-1] - x[0]))
+    change = without_shape(change, bearing, step)
+    pattern = pattern_of(change, float(x[-1] - x[0]))
     change -= pattern.astype(np.float32)
-    sigma = np.maximum(_local_sigma(change, step), np.float32(_LEAST_NOISE * np.hypot(a.noise, b.noise)))
+    sigma = np.maximum(local_sigma(change, step), np.float32(_LEAST_NOISE * np.hypot(a.noise, b.noise)))
     return Difference(
         chainage=x, chainage_b=y, bearing=bearing,
         wall_a=np.where(seen_a, wall_a, np.nan).astype(np.float32),
@@ -136,14 +114,6 @@ def difference(a: Wall, b: Wall, placed: Registration) -> Difference:
         change=change, sigma=sigma, why=why, scale=scale, scale_sigma=scale_sigma,
         pattern=pattern, fine=placed.refined_at(x), radius=a.radius,
     )  # fmt: skip
-
-
-def _coarser(values: NDArray, seen: NDArray, rows: int) -> tuple[NDArray, NDArray]:
-    """Return cells (n, rows) nearest to those of a finer circle."""
-    if values.shape[1] == rows:
-        return values, seen
-    at = np.rint(np.arange(rows) * (values.shape[1] / rows)).astype(int)
-    return values[:, at], seen[:, at]
 
 
 def _rolled(values: NDArray, seen: NDArray, roll: NDArray) -> tuple[NDArray, NDArray]:
@@ -181,118 +151,9 @@ def _scale(a: NDArray, b: NDArray) -> tuple[float, float]:
     return middle - 1.0, 1.2533 * scatter / np.sqrt(ratio.size)
 
 
-def _joints(wall: NDArray, seen: NDArray, section: NDArray, step: float) -> NDArray[np.bool_]:
-    """Return the rows (n,) that stand out from those beside them, over so short a way that they are a joint."""
-    square = np.where(seen, wall, 0.0).astype(float) ** 2
-    power = np.log(square.sum(axis=1) / np.maximum(seen.sum(axis=1), 1) + 1e-14)
-    width = 2 * round(0.5 * _LOCAL / step) + 1
-    out = np.zeros(len(wall), bool)
-    for values in (power, np.nan_to_num(section[:, 0], nan=np.nanmedian(section[:, 0]))):
-        off = values - median_filter(values, width, mode="nearest")
-        out |= np.abs(off) > _JOINT_SIGMAS * 1.4826 * max(float(np.median(np.abs(off))), 1e-9)
-    scatter = 1.4826 * float(np.median(np.abs(wall[seen]))) if seen.any() else np.inf
-    out |= (np.abs(wall) > _FAR * scatter).mean(axis=1) > _FAR_SHARE
-    edges = np.flatnonzero(np.diff(np.concatenate(([False], out, [False]))))
-    for first, last in zip(edges[::2], edges[1::2], strict=True):
-        if (last - first) * step > max(_JOINT_LENGTH, 3 * step):
-            out[first:last] = False
-    return binary_dilation(out, np.ones(2 * _NEAR_JOINT + 1, bool))
-
-
-def _rims(wall: Wall, x: NDArray, rows: int, roll: NDArray | None) -> NDArray[np.bool_]:
-    """Return the cells (n, rows) in and beside the openings of a wall, at its own chainage x [m]."""
-    ring = np.abs(wall.chainage[np.clip(np.searchsorted(wall.chainage, x), 1, len(wall.chainage) - 1)] - x)
-    at = np.clip(np.searchsorted(wall.chainage, x), 1, len(wall.chainage) - 1)
-    at -= np.abs(wall.chainage[at - 1] - np.nan_to_num(x, nan=-1e9)) < np.nan_to_num(ring, nan=1e9)
-    hole, _ = _coarser(wall.opening[at], wall.opening[at], rows)
-    if roll is not None:
-        shift = np.rint(roll * rows / (2 * np.pi)).astype(int)
-        hole = np.take_along_axis(hole, (np.arange(rows)[None, :] - shift[:, None]) % rows, 1)
-    wide = np.pad(hole, ((0, 0), (_RIM, _RIM)), mode="wrap")
-    return binary_dilation(wide, np.ones((2 * _RIM + 1, 2 * _RIM + 1), bool))[:, _RIM:-_RIM]
-
-
-def _why(
-    wall_a: NDArray, wall_b: NDArray, seen_a: NDArray, seen_b: NDArray, edge_of: NDArray, good: NDArray
-) -> NDArray[np.uint8]:
-    """Return why each cell is compared or not."""
-    edges = []
-    for wall, seen in ((wall_a, seen_a), (wall_b, seen_b)):
-        scatter = 1.4826 * float(np.median(np.abs(wall[seen]))) if seen.any() else np.inf
-        size, mode = (3, 3), ("nearest", "wrap")
-        spread = maximum_filter(wall, size, mode=mode) - minimum_filter(wall, size, mode=mode)
-        edge = np.pad(spread > _EDGE * max(scatter, 1e-5), ((0, 0), (2, 2)), mode="wrap")
-        edges.append(binary_dilation(edge, np.ones((5, 3), bool))[:, 2:-2])
-    why = np.full(wall_a.shape, COMPARED, np.uint8)
-    # What only one of both shows is a change, not a place where the least misfit shows as one.
-    why[(edges[0] & edges[1]) | edge_of] = EDGE
-    why[~seen_b] = UNSEEN_B
-    why[~seen_a] = UNSEEN_A
-    why[~good] = UNPLACED
-    return why
-
-
 def _spikes(change: NDArray, step: float) -> NDArray[np.bool_]:
     """Return the cells that stand far off their eight neighbours: no wall does that, stray readings do."""
-    sigma = _local_sigma(change, step)
+    sigma = local_sigma(change, step)
     near = median_filter(np.pad(np.nan_to_num(change), ((0, 0), (1, 1)), mode="wrap"), 3, mode="nearest")[:, 1:-1]
     with np.errstate(invalid="ignore"):
         return np.abs(change - near) > _SPIKE * sigma
-
-
-def _without_shape(change: NDArray, bearing: NDArray, step: float) -> NDArray[np.float32]:
-    """Return the change without the first order of each ring, and without orders 0 and 2 averaged along the pipe.
-
-    The first order is where the section's middle was put; a ring says nothing of it.
-    """
-    waves = np.column_stack([np.ones_like(bearing), *(f(k * bearing) for k in (1, 2) for f in (np.cos, np.sin))])
-    own = _orders(change, waves, 1)
-    centred = change - own[:, 1:3] @ waves[:, 1:3].T
-    width = max(3, round(_SHAPE / step))
-    slow = _orders(np.where(_marked(centred, step), np.nan, centred), waves, width)
-    return (centred - slow @ waves.T).astype(np.float32)
-
-
-def _marked(change: NDArray, step: float) -> NDArray[np.bool_]:
-    """Return the cells that with those about them stand clear of the rest: what is there would raise its neighbours."""
-    near = uniform_filter(np.pad(np.nan_to_num(change), ((0, 0), (2, 2)), mode="wrap"), 5, mode="nearest")[:, 2:-2]
-    with np.errstate(invalid="ignore"):
-        return np.abs(near) > _CLEAR * _local_sigma(change, step)
-
-
-def _orders(change: NDArray, waves: NDArray, width: int) -> NDArray[np.float64]:
-    """Return the orders 0 to 2 (n, 5) of each ring by least squares over `width` rings."""
-    seen = np.isfinite(change)
-    right = np.where(seen, change, 0.0).astype(float) @ waves
-    products = (waves[:, :, None] * waves[:, None, :]).reshape(len(waves), -1)
-    left = seen.astype(float) @ products
-    if width > 1:
-        right, left = (uniform_filter1d(part, width, axis=0, mode="constant") for part in (right, left))
-    left = left.reshape(-1, 5, 5) + 1e-3 * len(waves) * np.eye(5)
-    return np.linalg.solve(left, right[:, :, None])[:, :, 0]
-
-
-def _pattern(change: NDArray, length: float) -> NDArray[np.float64]:
-    """Return the change that all rings share, by bearing (m,) [m]."""
-    if length < _PATTERN_LENGTH or not np.isfinite(change).any():
-        return np.zeros(change.shape[1])
-    masked = np.ma.masked_invalid(change)
-    return np.ma.median(masked, axis=0).filled(0.0).astype(float)
-
-
-def _local_sigma(change: NDArray, step: float) -> NDArray[np.float32]:
-    """Return the one-sigma (n, m) of a cell, by the scatter of all bearings within half a metre to both sides."""
-    n = len(change)
-    width = max(1, round(0.5 * _LOCAL / step))
-    middles = np.arange(0, n, width)
-    scatter = np.full(len(middles), np.nan)
-    for k, i in enumerate(middles):
-        part = change[max(i - width, 0) : i + width + 1]
-        part = part[np.isfinite(part)]
-        if part.size > 50:
-            scatter[k] = 1.4826 * np.median(np.abs(part - np.median(part)))
-    known = np.isfinite(scatter)
-    if not known.any():
-        return np.full(change.shape, np.nan, np.float32)
-    row = np.interp(np.arange(n), middles[known], scatter[known])
-    return np.broadcast_to(np.maximum(row, 1e-7)[:, None], change.shape).astype(np.float32)

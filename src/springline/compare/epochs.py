@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from .features import KINDS, FeatureList, feature_list
+from .module import laid
 from .wall import Wall, wall_of
 
 if TYPE_CHECKING:
@@ -122,6 +123,21 @@ class Epoch:
         if self.listed is not None:
             return [KINDS[k] for k in self.listed.kind]
         return [str(k) for k in self.survey.features["kind"].values[self.rows]]
+
+    @property
+    def joints(self) -> NDArray[np.float64]:
+        """Chainage and length (k, 2) [m] of the joints: those among `features`, NaN where their gap is not known.
+
+        Those that were missed stand in it too where the others leave whole lengths of pipe between them; their length
+        is that in which they lie, two sigmas to both sides.
+        """
+        joint = np.array([kind == "joint" for kind in self.kinds()], dtype=bool)
+        seen = np.column_stack([self.measured(name)[0][joint] for name in ("chainage", "size")])
+        if self.features is None:
+            return seen
+        whole = laid(self.features)
+        missed = np.column_stack((whole.features.chainage, 4.0 * np.sqrt(whole.variance)))[~whole.seen]
+        return np.concatenate((seen, missed))
 
     def measured(self, quantity: str) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Return a quantity of each of `features` and its one-sigma, in the units of `/features`; NaN where unknown."""

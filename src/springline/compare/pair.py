@@ -10,15 +10,17 @@ from scipy.stats import norm
 
 from ..errors import InputError
 from .changes import Change, look
-from .difference import COMPARED, WHY_NOT, Difference, difference
+from .difference import Difference, difference
 from .epochs import Epoch
 from .match import match
+from .notes import missing, notes
 from .options import MatchOptions
 from .paired import Paired, alone, feature_changes, pair_features
 from .profiles import layout_profiles, mode_changes, section_profiles
 from .refine import refine
 from .registration import Registration
-from .scan import FALSE_ALARMS, Scan, detectable, scan
+from .scan import Scan, detectable, scan
+from .templates import FALSE_ALARMS
 from .verdicts import UNCLEAR, verdict
 
 if TYPE_CHECKING:
@@ -30,6 +32,7 @@ if TYPE_CHECKING:
 DENT = (0.19, np.radians(35.0))
 """Length [m] and width [rad] of the dent for which the detectable depth is stated."""
 
+_SHARES = {"patches": 0.5, "profiles": 0.25, "features": 0.25}  # of the false alarms
 _SURE = 0.01
 _CONTRADICTS = 0.5  # m by which features and relief differ when one of both is wrong
 _YEAR = 365.25
@@ -53,7 +56,7 @@ class Comparison:
             patch as depth of a dent of `DENT` at half depth, of a feature as such.
         detectable_edge: The same for a dent of `DENT` from edge to edge [m].
         years: Between the inspections; NaN when a date is missing.
-        rate: False alarms per 100 m at which each kind of change is told.
+        rate: False alarms per 100 m of unchanged pipe, over everything that is compared.
         missing: Stretches of A that could not be compared [m], and why.
         notes: What must be known to read the result.
     """
@@ -93,7 +96,8 @@ def compare(
         result_a: The earlier inspection, as `springline.inspect` returns it.
         result_b: The later one, driven from whichever end.
         options: Priors of the match.
-        false_alarms: Per 100 m of unchanged pipe, for each of: patches of the wall, each profile, features.
+        false_alarms: Per 100 m of unchanged pipe: half for patches of the wall, a quarter each for profiles and for
+            features.
         works: The pipe was cleaned, repaired or lined in between, so that things may shrink.
 
     Raises:
@@ -137,15 +141,14 @@ def compare_epochs(
         )  # fmt: skip
     agreed = found if _agrees(found, placed, a, b) else None
     paired = pair_features(a, b, agreed, placed)
-    changes, told = feature_changes(a, b, paired, placed, rate=false_alarms, works=works)
+    changes, told = feature_changes(a, b, paired, placed, rate=_SHARES["features"] * false_alarms, works=works)
     whole = Comparison(
         a, b, "", found, placed, paired, None, None, (), (*changes, *alone(a, b, paired, placed)), told, np.nan, years,
         false_alarms, (), (),
     )  # fmt: skip
     whole = _with_walls(whole, works) if rings else whole
-    notes = (*_notes(whole),)
     order = sorted(whole.changes, key=lambda c: (np.nan_to_num(c.chainage, nan=-np.inf), c.quantity))
-    return replace(whole, changes=tuple(order), missing=_missing(whole), notes=notes)
+    return replace(whole, changes=tuple(order), missing=missing(whole), notes=notes(whole, agreed is not None))
 
 
 def _match(a: Epoch, b: Epoch, options: MatchOptions) -> Match | None:
@@ -182,8 +185,8 @@ def _refused(found: Match | None) -> str:
 def _with_walls(whole: Comparison, works: bool) -> Comparison:
     """Return the comparison with what rings tell."""
     a, b, placed, rate = whole.a, whole.b, whole.placed, whole.rate
-    found = difference(a.wall, b.wall, placed)
-    scanned = scan(found, rate)
+    found = difference(a.wall, b.wall, placed, (a.joints, b.joints))
+    scanned = scan(found, _SHARES["patches"] * rate)
     thickness = float(np.nanmin([a.wall_thickness, b.wall_thickness, np.inf]))
     changes = list(whole.changes)
     for p in scanned.patches:
@@ -203,7 +206,7 @@ def _with_walls(whole: Comparison, works: bool) -> Comparison:
     profiles = (*section_profiles(a, b, placed, found), *layout_profiles(a, b, placed, found))
     told = dict(whole.detectable)
     for profile in profiles:
-        looked = look(profile, found.step, rate)
+        looked = look(profile, found.step, _SHARES["profiles"] * rate / len(profiles))
         told[profile.quantity] = looked.detectable
         changes += [_of_profile(profile, run, found, works) for run in looked.runs]
     changes += mode_changes(a, b, placed, found)
@@ -251,65 +254,3 @@ def _of_scale(a: Epoch, b: Epoch, found: Difference) -> list[Change]:
     nan = float("nan")
     why = "more than the stated scales of both sensors explain: the pipe, or a calibration that is worse than stated"
     return [Change("scale", nan, nan, nan, nan, nan, nan, found.scale, sigma, nan, UNCLEAR, why)]
-
-
-def _missing(whole: Comparison) -> tuple[tuple[float, float, str], ...]:
-    """Return the stretches of A that cannot be compared, and why."""
-    spans = [(s.start, s.end, s.reason) for s in whole.placed.flagged]
-    first, last = whole.a.extent
-    nodes = whole.placed.drift.chainage_a
-    for start, end in ((first, nodes[0]), (nodes[-1], last)):
-        if end > start + 1e-6:
-            spans.append((float(start), float(end), "not inspected by both"))
-    if whole.difference is not None:
-        d = whole.difference
-        for code, words in WHY_NOT.items():
-            if code == COMPARED or words.startswith("place"):
-                continue
-            rows = (d.why == code).mean(axis=1) > 0.5
-            edges = np.flatnonzero(np.diff(np.concatenate(([False], rows, [False]))))
-            spans += [
-                (float(d.chainage[i]), float(d.chainage[j - 1] + d.step), words)
-                for i, j in zip(edges[::2], edges[1::2], strict=True)
-            ]
-    clipped = ((max(s, first), min(e, last), why) for s, e, why in spans)
-    return tuple(sorted(s for s in clipped if s[1] > s[0]))
-
-
-def _notes(whole: Comparison) -> list[str]:
-    """Return what must be known to read the result, in plain sentences."""
-    notes, placed = [], whole.placed
-    if whole.match is not None and not whole.match.accepted:
-        notes.append(f"The features alone do not place B on A ({whole.match.reason}); the wall's relief does.")
-    elif whole.match is not None and not _agrees(whole.match, placed, whole.a, whole.b):
-        notes.append("The wall's relief contradicts the match of features, and decides: it holds far more detail.")
-    if whole.difference is None:
-        return notes
-    if not placed.refined.any():
-        notes.append(
-            "The wall is too smooth for its relief to place rings on rings: chainage stands on matched features alone."
-        )
-    if placed.roll_source == "assumed":
-        notes.append(
-            "How the second sensor was rolled against the first is not known and taken as zero: places round the pipe "
-            "and horizontal and vertical diameters are comparable only as far as both sensors rode upright."
-        )
-    found = whole.difference
-    stated = np.hypot(whole.a.range_scale_sigma, whole.b.range_scale_sigma)
-    notes.append(
-        f"Ranges of B are {abs(found.scale) * 1e2:.3f} % {'longer' if found.scale >= 0 else 'shorter'} than those of A "
-        f"throughout. That was taken out as a difference of calibration (the sensors' scales are known to "
-        f"{stated * 1e2:.2g} %): a change of all diameters alike cannot be told from it."
-    )
-    most = float(np.abs(found.pattern).max())
-    if most > 0:
-        notes.append(
-            f"A pattern that all rings share (up to {most * 1e3:.2f} mm) was taken out: wear alike along the whole "
-            "pipe cannot be told from a sensor's error at that bearing."
-        )
-    if "pose" not in (whole.a.wall.roll_source, whole.b.wall.roll_source):
-        notes.append(
-            "The tilt of the sensors was not estimated; 2 degrees of it, one-sigma, stand in the uncertainty of "
-            "diameters and ovality."
-        )
-    return notes

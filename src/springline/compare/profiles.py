@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from .changes import Change, Profile
-from .difference import EDGE
+from .edges import COMPARED
 from .verdicts import CHANGE
 
 if TYPE_CHECKING:
@@ -39,7 +39,7 @@ def section_profiles(a: Epoch, b: Epoch, placed: Registration, found: Difference
     p_a, v_a = _along(a.wall, found.chainage)
     p_b, v_b = _along(turned, y)
     p_b = _turned(p_b, placed.roll_at(found.chainage)) / (1.0 + found.scale)
-    good = placed.reliable(found.chainage) & ~(found.why == EDGE).all(axis=1)
+    good = placed.reliable(found.chainage) & (found.why == COMPARED).any(axis=1)
     p_a[~good] = np.nan
     tilt = np.hypot(a.tilt_sigma, b.tilt_sigma) ** 2 / 2.0
     radius = a.wall.radius

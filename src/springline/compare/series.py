@@ -11,8 +11,8 @@ from scipy.stats import norm
 from ..errors import InputError
 from .pair import _YEAR, Comparison, compare_epochs
 from .paired import BY_GAP, MEASURED
-from .scan import FALSE_ALARMS
 from .sharpen import depth_at
+from .templates import FALSE_ALARMS
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

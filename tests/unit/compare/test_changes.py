@@ -40,6 +40,14 @@ def test_what_both_inspections_share_as_error_is_not_told():
     assert look(found, STEP, 1.0).runs
 
 
+def test_a_joint_in_the_middle_does_not_hide_what_stations_share():
+    found = profile(2, fixed=5e-4)
+    found.change[:] += 6e-4
+    for part in (found.change, found.fixed):
+        part[1000:1003] = np.nan
+    assert look(found, STEP, 1.0).runs == ()
+
+
 def test_the_detectable_change_is_told_in_95_percent():
     clean = look(profile(3), STEP, 1.0).detectable
     told = 0

@@ -8,6 +8,7 @@ import pytest
 from springline.compare.difference import Difference
 from springline.compare.scan import detectable, scan
 from springline.compare.sharpen import dent_fit, depth_at
+from springline.compare.templates import DISTINCT, bank, false_alarms, thresholds
 
 STEP, ROWS, NOISE = 0.02, 120, 1e-3
 
@@ -35,6 +36,16 @@ def draw(found, shape):
     """Add a shape without the first order of its rings: a dent moves the middle of its section."""
     first = (2.0 / ROWS) * (shape @ np.exp(1j * found.bearing))
     found.change[:] += (shape - (first[:, None] * np.exp(-1j * found.bearing)[None, :]).real).astype(np.float32)
+
+
+def test_every_size_has_its_share_of_the_alarms():
+    templates = bank(STEP, ROWS)
+    limits = thresholds(templates, ROWS, STEP, 1.0)
+    shares = [false_alarms(u, t, ROWS, STEP) for u, t in zip(limits, templates, strict=True)]
+    assert np.allclose(shares, 1.0 / (DISTINCT * len(templates)))
+    # Small dents have more places to appear in by chance.
+    assert limits[0] == limits.max()
+    assert limits[-1] == limits.min()
 
 
 def test_noise_gives_about_one_alarm_in_100_m():
@@ -82,6 +93,13 @@ def test_the_detectable_depth_is_told_in_95_percent():
         told += sum(any(abs(p.chainage - x) < 0.3 for p in patches) for x in places)
         there += len(places)
     assert 0.88 <= told / there <= 1.0
+
+
+def test_dents_do_not_widen_the_scatter_they_are_judged_by():
+    clean, found = noise_map(4, 20.0), noise_map(4, 20.0)
+    for x in (3.0, 9.0, 15.0):
+        add_dent(found, x, 1.0 + x, 0.2, 0.6, -6e-3)
+    assert np.all(scan(found).inflation < 1.05 * scan(clean).inflation + 0.02)
 
 
 def test_cells_that_are_not_known_are_left_out():

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ...compare.difference import COMPARED, EDGE, SPIKE, UNPLACED, UNSEEN_A, UNSEEN_B, WHY_NOT
+from ...compare.edges import COMPARED, EDGE, SPIKE, UNPLACED, UNSEEN_A, UNSEEN_B, WHY_NOT
 from ..colours import LEVELS, levels, nice_limit, rgb, scale_colours
 from ..png import palette_png
 from ..report.charts import Band, Chart, Line, axis_over, drawn
