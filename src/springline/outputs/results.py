@@ -105,10 +105,14 @@ class Results:
 
     def judged(self, variable: str, group: str = "metrics") -> np.ndarray:
         """Return a variable of the stations that speak for the pipe, NaN at those flagged otherwise."""
-        values = self.station(group, variable)
-        if not self.survey.has("section") or "flags" not in self.survey.section:
-            return values
-        return np.where(flagged(self.survey.section["flags"].values, *NOT_SPEAKING), np.nan, values)
+        return np.where(self.speaks, self.station(group, variable), np.nan)
+
+    @cached_property
+    def speaks(self) -> np.ndarray:
+        """Whether each station speaks for the pipe; one at a joint or misread does not."""
+        if "flags" not in self.survey.section:
+            return np.ones(self.stations, bool)
+        return ~flagged(self.survey.section["flags"].values, *NOT_SPEAKING)
 
     def metrics_attr(self, name: str) -> float:
         """Return a number among the attributes of `/metrics`, NaN when it is not there."""

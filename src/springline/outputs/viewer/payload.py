@@ -76,6 +76,7 @@ def pack(results: Results, wall: Unrolled, other: Epoch | None = None) -> tuple[
         "shape": _ticks(wall, tick),
         **({} if other is None else {"other": _ticks(other.wall, tick)}),
         # Bytes stand last, so that what is wider keeps its place in memory.
+        "speaks": results.speaks[station].astype(np.uint8),
         **({} if brightness is None else {"intensity": brightness.cells}),
     }
     reference = results.metrics_attr("reference_diameter")
@@ -121,10 +122,10 @@ def _limits(wall: Unrolled, other: Epoch | None) -> dict[str, float]:
 
 
 def _representatives(results: Results, wall: Unrolled) -> np.ndarray:
-    """Return the worst station of each group: by deflection, else by ovality, else the first."""
-    severity = results.metric("deflection")
+    """Return the worst speaking station of each group: by deflection, else by ovality, else the first."""
+    severity = results.judged("deflection")
     if not np.isfinite(severity).any():
-        severity = results.metric("ovality_polar")
+        severity = results.judged("ovality_polar")
     severity = np.nan_to_num(severity, nan=-np.inf, posinf=np.inf, neginf=-np.inf)
     first = np.searchsorted(results.extents[0], wall.start)
     counts = np.diff(np.append(first, results.stations))

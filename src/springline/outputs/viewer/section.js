@@ -95,6 +95,7 @@ class SectionView {
     const rows = [["Station", `${s.chainage[g].toFixed(3)} m`]];
     if (chainage < s.start[g] - 1e-6 || chainage > s.end[g] + 1e-6) rows.push(["", "no readings at the cursor; the nearest station is shown"]);
     if (s.status[g] > 0) rows.push(["No section", s.statusWords[s.status[g]]]);
+    if (!s.speaks[g]) rows.push(["Left out of charts", "unlike its neighbours"]);
     rows.push(
       ["Largest", `${millimetres(s.diameter_max[g])}${Number.isFinite(s.diameter_max_bearing[g]) ? ` at ${clockText(s.diameter_max_bearing[g])}` : ""}`],
       ["Smallest", millimetres(s.diameter_min[g])],

@@ -238,6 +238,8 @@ class Strips {
       range[1] = Math.max(range[1], high);
     };
     for (let g = groupAt(survey, from); g < survey.groups && survey.start[g] < to; g += 1) {
+      // Stations at joints and misread ones do not speak for the pipe, and would set the scale.
+      if (!survey.speaks[g]) continue;
       const first = Math.max(0, Math.floor(((survey.start[g] - from) / (to - from)) * columns));
       const last = Math.max(first, Math.min(columns - 1, Math.ceil(((survey.end[g] - from) / (to - from)) * columns) - 1));
       for (let c = first; c <= last; c += 1) {

@@ -57,6 +57,6 @@ def test_both_walls_are_packed_and_share_their_colours(wall):
     deep = replace(wall, shape=wall.shape - np.float32(0.05))
     header, _ = pack(results, wall, Epoch("later", deep, later=True))
     names = [name for name, _, _ in header["arrays"]]
-    assert names[-2:] == ["shape", "other"] and header["otherLater"] is True
+    assert names[-3:] == ["shape", "other", "speaks"] and header["otherLater"] is True
     assert header["limits"]["shape"] == header["limits"]["other"] >= 0.05
     assert header["limits"]["difference"] == pytest.approx(0.05, abs=0.011)
