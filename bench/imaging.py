@@ -1,134 +1,205 @@
-"""Joints and laterals of rendered surveys, found with lens and pose: recall, precision, place and size against truth.
+"""Joints and laterals of rendered surveys against truth: by rings, by chosen frames with them, by frames alone.
 
-Each survey is a 300 mm pipe with a joint every metre, a lateral every half metre, dirt, cracks, stains, deposits and
-water, filmed every 100 mm at 640 by 480; the pose is known to 3 mm and 0.3 degrees. A joint found at the pipe's far
-end is the end itself and counts neither way.
+The ready scenario `sewer` (201 m, 60 laterals, 200 joints, frames of 640 by 480 every 200 mm, rings every 10 mm whose
+tilt and roll nothing tells) and the same with another pipe, another seed of what is strewn in it and of the noise.
+Everything goes the way of a real survey: a folder is written, read and inspected. Chainage is compared by the counter,
+whose own scale is off by 0.2 %. A joint at the pipe's far end is the end itself and counts neither way.
+
+    python -m bench imaging                  the ready scenario
+    python -m bench.imaging 219 --folder DIR another pipe, its frames kept in DIR for the next time
 """
 
 from __future__ import annotations
 
-import math
-import sys
+import argparse
+import tempfile
 import time
+from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 
+import springline as sl
+from springline.config import Config, DetectConfig
 from springline.geometry.camera import camera_at
-from springline.geometry.lenses import Lens
 from springline.geometry.robot import frame
+from springline.imaging.frames import read_frame
 from springline.imaging.reprojection import PosePrior
 from springline.imaging.sightings import put_together
 from springline.imaging.wall import marks_of_frame
-from springline.simulate import Footage, parse, simulate
+from springline.pipeline import inspect
+from springline.simulate import Footage, load, simulate
+from springline.simulate.camera.writing import write_frames
+from springline.simulate.truth import feature_table
+from springline.stages.images import images
+from springline.stages.images.alone import images_alone
+from springline.stages.images.filmed import filmed
+from springline.survey import Survey
 
-RADIUS = 0.15
-CODES = {"joint": 5, "lateral": 6}  # of the simulator's features
-PRIOR = PosePrior(offset=0.003, turn=math.radians(0.3))
-SURE = 0.5
+if TYPE_CHECKING:
+    from springline.simulate.scenario import Scenario
 
-
-def scenario(seed: int, length: float) -> str:
-    """The pipe as TOML: laterals of 100 to 160 mm at any clock above the water, some inclined."""
-    rng = np.random.default_rng(seed)
-    laterals = []
-    for middle in np.arange(0.75, length - 0.6, 0.5):
-        tilt = f", inclination_deg = {rng.choice([0.0, 0.0, 30.0, 45.0])}"
-        clock = rng.uniform(-4.0, 4.0) % 12.0
-        size = rng.uniform(100.0, 160.0)
-        laterals.append(f'{{ chainage = {middle:.3f}, clock_h = {clock:.3f}, diameter = "{size:.0f}mm"{tilt} }}')
-    return f"""
-name = "filmed"
-[pipe]
-diameter = "300mm"
-wall_thickness = "25mm"
-seed = {seed}
-run = [{{ kind = "straight", length = {length} }}]
-joints = {{ spacing = 1.0, spacing_sigma = "5mm", gap = "8mm", gap_sigma = "3mm", offset_sigma = "2mm" }}
-lateral = [{", ".join(laterals)}]
-water = [{{ depth = "25mm" }}]
-surface = {{ dirt = 0.15 }}
-decoys = {{ cracks = 0.8, stains = 0.8, deposits = 0.5 }}
-[robot]
-length = 0.4
-wheelbase = 0.3
-offset_z = {{ amplitude = 0.01, period = 3.1 }}
-pitch_deg = {{ amplitude = 0.8, period = 2.03 }}
-yaw_deg = {{ amplitude = 1.0, period = 2.9 }}
-[camera]
-spacing = "100mm"
-width = 640
-height = 480
-position = [0.2, 0.0, 0.0]
-lens = {{ model = "equidistant", field_of_view_deg = 110.0 }}
-"""
+READY = 17  # seed of the ready scenario's pipe
+CODES = {"lateral": 6, "joint": 5}  # of the simulator's features
+GIVEN = PosePrior(offset=0.003, turn=np.radians(0.3))
+NEAR = 0.06  # m on the wall within which something found is what is there
+ROWS = ("rings", "chosen", "every", "given", "alone")
+NAMES = {
+    "rings": "rings alone",
+    "chosen": "rings, chosen frames",
+    "every": "rings, every frame",
+    "given": "every frame, pose to 3 mm and 0.3 degrees, no rings",
+    "alone": "every frame, no scan at all",
+}
 
 
-def filmed(seed: int, length: float) -> dict[str, object]:
-    """Marks of every frame of one survey, the cameras' chainages, the truth, and the time that detection took."""
-    made = parse(scenario(seed, length))
-    footage, truth = Footage(made, seed=seed), simulate(made, seed=seed).truth
-    lens = Lens(footage.lens.model, footage.lens.k)
-    pose = footage.truth()
-    rng = np.random.default_rng(seed)
-    marks, spent = [], 0.0
-    for k in range(len(footage)):
-        picture = footage.image(k)[..., ::-1].copy()
-        at = {
-            name: float(pose[f"frame_{name}"][k])
-            for name in ("chainage", "offset_y", "offset_z", "pitch", "yaw", "roll")
+def sewer(pipe_seed: int) -> Scenario:
+    """Return the ready scenario with another pipe."""
+    scenario = load("sewer")
+    return scenario.model_copy(update={"pipe": scenario.pipe.model_copy(update={"seed": pipe_seed})})
+
+
+def rendered(scenario: Scenario, seed: int, folder: Path) -> Footage:
+    """Write the survey with its frames into a folder, unless it stands there."""
+    footage = Footage(scenario, seed)
+    if not (folder / "survey.toml").exists():
+        sl.write(simulate(scenario, seed), folder, format="folder")
+        write_frames(footage, folder / "frames")
+    return footage
+
+
+class Truth:
+    """What is in the pipe, by the counter.
+
+    Args:
+        footage: Of the pipe.
+    """
+
+    def __init__(self, footage: Footage) -> None:
+        world = footage.world
+        table = feature_table(world)
+        ahead = footage.camera.position[0]
+        self.radius = 0.5 * world.scenario.pipe.diameter
+        self.end = float(world.counter.reading(world.route.length - ahead)) + ahead
+        x = world.counter.reading(table["chainage"] - ahead) + ahead
+        self.kinds = {
+            kind: tuple(values[table["kind"] == code] for values in (x, table["bearing"], table["size"]))
+            for kind, code in CODES.items()
         }
-        off, turn = rng.normal(0.0, PRIOR.offset, 2), rng.normal(0.0, PRIOR.turn, 3)
-        tilt = np.array([at["pitch"], at["yaw"], at["roll"]]) + turn
-        matrix = camera_at([at["chainage"], at["offset_y"] + off[0], at["offset_z"] + off[1]], frame(*tilt))
-        start = time.process_time()
-        marks += [
-            (k, mark) for mark in marks_of_frame(picture, matrix, lens, footage.centre, RADIUS, RADIUS, prior=PRIOR)
-        ]
-        spent += time.process_time() - start
-    eyes = pose["frame_chainage"].values
-    return {"marks": marks, "eyes": eyes, "truth": truth, "spent": spent / len(footage), "length": length}
+
+    def errors(self, kind: str, found: list[tuple[float, float, float, float]]) -> tuple[np.ndarray, int, int]:
+        """Return errors of chainage [m], bearing [rad] and size of what was found, and how much was false and missed.
+
+        Args:
+            kind: joint or lateral.
+            found: Chainage, bearing, size and confidence of each.
+        """
+        x, bearing, size = self.kinds[kind]
+        errors, false, used = [], 0, set()
+        for one in sorted(found, key=lambda one: -one[3]):
+            if kind == "joint" and abs(one[0] - self.end) < 0.1:
+                continue
+            turn = (one[1] - bearing + np.pi) % (2 * np.pi) - np.pi if kind == "lateral" else np.zeros(len(x))
+            apart = np.hypot(one[0] - x, self.radius * turn)
+            nearest = int(np.argmin(apart))
+            if apart[nearest] < NEAR and nearest not in used:
+                used.add(nearest)
+                errors.append((one[0] - x[nearest], turn[nearest], one[2] / size[nearest] - 1.0))
+            else:
+                false += 1
+        return np.array(errors).reshape(-1, 3), false, len(x) - len(used)
 
 
-def compare(survey: dict[str, object], kind: str) -> tuple[list[tuple[float, float, float]], int, int]:
-    """Errors (x [m], bearing [rad], size relative) of what was found, how much was false, how much missed."""
-    truth = survey["truth"]
-    chosen = truth["feature_kind"].values == CODES[kind]
-    x, bearing, size = (truth[f"feature_{name}"].values[chosen] for name in ("chainage", "bearing", "size"))
-    seen = (x > survey["eyes"][0] + 0.8 * RADIUS) & (x < survey["length"] - 0.05)
-    found = [one for one in put_together(survey["marks"], survey["eyes"], RADIUS) if one.kind == kind]
-    errors, false, used = [], 0, set()
-    for one in found:
-        if one.probability < SURE or (kind == "joint" and abs(one.x - survey["length"]) < 0.05):
-            continue
-        turn = (one.bearing - bearing + np.pi) % (2 * np.pi) - np.pi if kind == "lateral" else np.zeros(len(x))
-        apart = np.hypot(one.x - x, RADIUS * turn)
-        nearest = int(np.argmin(apart))
-        if apart[nearest] < 0.06 and nearest not in used:
-            used.add(nearest)
-            relative = 2 * one.radius / size[nearest] - 1.0 if kind == "lateral" else math.nan
-            errors.append((one.x - x[nearest], float(turn[nearest]), relative))
-        else:
-            false += 1
-    return errors, false, len(set(np.flatnonzero(seen)) - used)
+def listed(features) -> dict[str, list[tuple[float, float, float, float]]]:
+    """Return what `/features` holds, by kind."""
+    rows = zip(*(features[n].values for n in ("chainage", "bearing", "size", "confidence")), strict=True)
+    by_kind: dict[str, list[tuple[float, float, float, float]]] = {kind: [] for kind in CODES}
+    for kind, row in zip(features["kind"].values.astype(str), rows, strict=True):
+        if kind in by_kind:
+            by_kind[kind].append(tuple(map(float, row)))
+    return by_kind
 
 
-def main(surveys: int = 3, length: float = 10.0) -> None:
-    """Print what stands in docs/imaging.md."""
-    made = [filmed(seed, length) for seed in range(101, 101 + surveys)]
-    print("| kind | there | found | false | recall | precision | x, 95 % | clock, 95 % | size, 95 % |")
-    print("|---|---|---|---|---|---|---|---|---|")
-    for kind in ("lateral", "joint"):
-        parts = [compare(one, kind) for one in made]
-        errors = np.array([error for part in parts for error in part[0]]).reshape(-1, 3)
-        false, missed = sum(part[1] for part in parts), sum(part[2] for part in parts)
-        hit = len(errors)
-        x, turn, size = np.percentile(np.abs(errors), 95, axis=0)
-        print(
-            f"| {kind}s | {hit + missed} | {hit} | {false} | {hit / (hit + missed):.3f} | {hit / (hit + false):.3f} "
-            f"| {1e3 * x:.0f} mm | {np.degrees(turn):.1f} degrees | {100 * size:.1f} % |"
+def by_given_pose(survey: Survey, footage: Footage, seed: int) -> dict[str, list[tuple[float, float, float, float]]]:
+    """Return what every frame shows, its true pose off by as much as `GIVEN` says."""
+    film, truth, rng = filmed(survey), footage.truth(), np.random.default_rng(seed)
+    radius = 0.5 * footage.world.scenario.pipe.diameter
+    eyes = film.distance + footage.camera.position[0]
+    marks = []
+    for k, path in enumerate(film.paths):
+        off, turn = rng.normal(0.0, GIVEN.offset, 2), rng.normal(0.0, GIVEN.turn, 3)
+        y, z, *tilt = (float(truth[f"frame_{n}"][k]) for n in ("offset_y", "offset_z", "pitch", "yaw", "roll"))
+        matrix = camera_at([eyes[k], y + off[0], z + off[1]], frame(*(np.array(tilt) + turn)))
+        camera = film.cameras[k]
+        seen = marks_of_frame(
+            read_frame(Path(film.folder) / path), matrix, camera.lens, camera.centre, radius, radius, prior=GIVEN
         )
-    print(f"\nDetection: {np.mean([one['spent'] for one in made]):.3f} s of processor time per frame")
+        marks += [(k, mark) for mark in seen.marks]
+    sightings = [one for one in put_together(marks, eyes, radius) if one.probability >= 0.5]
+    return {
+        kind: [(o.x, o.bearing, 2 * o.radius, o.probability) for o in sightings if o.kind == kind] for kind in CODES
+    }
+
+
+def study(pipe_seed: int, seed: int, folder: Path, rows: tuple[str, ...]) -> None:
+    """Print a table of one pipe."""
+    footage = rendered(sewer(pipe_seed), seed, folder)
+    truth, survey = Truth(footage), sl.read(folder)
+    base = None
+    if {"rings", "chosen", "every"} & set(rows):
+        base = inspect(Survey({"rings": survey.rings}, survey.attrs), Config())
+    print(f"\nPipe {pipe_seed}, noise {seed}, {len(footage)} frames\n")
+    print("| by | kind | there | found | false | recall | precision | x, 95 % | clock, 95 % | size, 95 % | frames |")
+    print("|---|---|---|---|---|---|---|---|---|---|---|")
+    for row in rows:
+        start = time.process_time()
+        found, looked = _found(row, base, survey, footage, seed)
+        spent = time.process_time() - start
+        for kind in CODES:
+            errors, false, missed = truth.errors(kind, found[kind])
+            hit = len(errors)
+            x, turn, size = np.percentile(np.abs(errors), 95, axis=0) if hit else (np.nan,) * 3
+            places = f"{1e3 * x:.0f} mm | " + (
+                f"{np.degrees(turn):.1f} degrees | {100 * size:.1f} %" if kind == "lateral" else "|"
+            )
+            print(
+                f"| {NAMES[row]} | {kind}s | {hit + missed} | {hit} | {false} | {hit / (hit + missed):.3f} "
+                f"| {hit / max(hit + false, 1):.3f} | {places} | {looked} |",
+                flush=True,
+            )
+        print(f"<!-- {NAMES[row]}: {spent:.0f} s of processor time -->", flush=True)
+
+
+def _found(row: str, base: Survey | None, survey: Survey, footage: Footage, seed: int):
+    if row == "rings":
+        return listed(base.features), "0 %"
+    if row == "given":
+        return by_given_pose(survey, footage, seed), "100 %"
+    if row == "alone":
+        alone = Survey({"frames": survey.frames, "calibration": survey.calibration}, survey.attrs)
+        return listed(images_alone(alone, Config()).features), "100 %"
+    filled = base.with_group("frames", survey.frames).with_group("calibration", survey.calibration)
+    result = images(filled, Config(detect=DetectConfig(every_frame=row == "every")))
+    told = [one for one in result.assumptions if "frames were looked at" in one]
+    looked, _, of = told[0].split()[:3] if told else ("0", "", "1")
+    return listed(result.features), f"{100 * int(looked) / int(of):.1f} %"
+
+
+def main() -> None:
+    """Print what stands in docs/imaging.md, of the ready scenario."""
+    with tempfile.TemporaryDirectory() as folder:
+        study(READY, 0, Path(folder) / "sewer", ROWS)
 
 
 if __name__ == "__main__":
-    main(*(int(word) if word.isdigit() else float(word) for word in sys.argv[1:]))
+    parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
+    parser.add_argument("pipe", type=int, nargs="?", default=READY, help="seed of the pipe")
+    parser.add_argument("--noise", type=int, default=0, help="seed of the measurement")
+    parser.add_argument("--folder", type=Path, help="where the survey is written, or stands")
+    parser.add_argument("--rows", nargs="+", choices=ROWS, default=ROWS)
+    given = parser.parse_args()
+    if given.folder is None:
+        with tempfile.TemporaryDirectory() as temporary:
+            study(given.pipe, given.noise, Path(temporary) / "sewer", tuple(given.rows))
+    else:
+        study(given.pipe, given.noise, given.folder, tuple(given.rows))

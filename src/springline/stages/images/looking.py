@@ -93,6 +93,20 @@ class Looking:
         """Look at every frame."""
         self._look(np.flatnonzero(np.isfinite(self.views.x)), places)
 
+    def again(self, places: list[Place]) -> None:
+        """Look once more at the frames in which joints that are expected stand in good view; add what is there."""
+        from ...imaging.seams import seam_odds
+        from ...imaging.wall import Mark
+
+        low, high = self.view["joint"]
+        for place in places:
+            ahead = place.x - self.views.x
+            for at, seen in self._read(np.flatnonzero((ahead >= low) & (ahead <= high))):
+                score, x, sigma = seen.seams.at(place.x, place.within) if seen.seams else (-math.inf, 0.0, 0.0)
+                odds = seam_odds(score, expected=True)
+                if odds > 0.0:
+                    self.marks.append((at, Mark("joint", x, sigma, *(math.nan,) * 5, odds, 1.0, x - seen.eye)))
+
     def sightings(self) -> list[Sighting]:
         """Return what the frames show, put together."""
         from ...imaging.sightings import put_together

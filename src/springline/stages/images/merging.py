@@ -106,6 +106,21 @@ def with_features(
     return data.isel(feature=np.argsort(data["chainage"].values, kind="stable"))
 
 
+def features_of_images(looking: Looking, least: float) -> xr.Dataset:
+    """Return `/features` of what images alone show.
+
+    Args:
+        looking: At frames.
+        least: Features less probable than this are left out.
+    """
+    empty = {
+        one.name: ("feature", np.zeros(0, {"str": "U1", "int64": np.int64}.get(one.dtype, float)))
+        for one in GROUPS["features"].variables
+    }
+    rows = [_row(one, looking, one.probability) for one in looking.sightings() if one.probability >= least]
+    return _longer(xr.Dataset(empty), "feature", rows)
+
+
 def _match(place: Place, seen: list[Sighting], taken: set[int], radius: float) -> int | None:
     """Return which sighting is of a place."""
     best, nearest = None, math.inf

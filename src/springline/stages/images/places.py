@@ -79,7 +79,7 @@ def places_of(survey: Survey, radius: float) -> list[Place]:
             odds = min(log_odds(float(seen["probability"].values[row])), 0.0)
             bearing, size = (float(seen[name].values[row]) for name in ("bearing", "size"))
             places.append(Place(kind, float(x[row]), _within(kind, radius), odds, bearing, 0.5 * size))
-    return sorted(places + _spaced(places), key=lambda place: place.x)
+    return sorted(places + spaced_joints(places), key=lambda place: place.x)
 
 
 def log_odds(probability: float) -> float:
@@ -92,8 +92,12 @@ def _within(kind: str, radius: float) -> float:
     return 0.15 * radius if kind == "joint" else 0.4 * radius
 
 
-def _spaced(places: list[Place]) -> list[Place]:
-    """Return where joints are missing from an even row; doubt those that lie beside it."""
+def spaced_joints(places: list[Place]) -> list[Place]:
+    """Return where joints are missing from an even row; doubt those that lie beside it.
+
+    Args:
+        places: What is known; joints less likely than not are left aside. Those beside the row lose log odds.
+    """
     joints = sorted((p for p in places if p.kind == "joint" and p.log_odds > 0), key=lambda p: p.x)
     if len(joints) < _FEWEST_JOINTS:
         return []
