@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from springline.errors import ParameterError
-from springline.geometry.camera import camera_at, from_pixels, rays
+from springline.geometry.camera import camera_at, from_pixels, project, rays, to_pixels
 from springline.geometry.lenses import Lens
 from springline.geometry.robot import frame
 from springline.imaging.unwrapping import wall_grid
@@ -51,3 +51,36 @@ def test_what_the_lens_does_not_see_is_missing():
 def test_too_few_columns_are_refused():
     with pytest.raises(ParameterError, match="columns"):
         wall_grid(camera_at([0.0, 0.0, 0.0], np.eye(3)), LENS, CENTRE, 0.15, 0.15, [0.1], columns=2)
+
+
+@pytest.mark.parametrize(
+    "lens",
+    [
+        Lens("equidistant", 500.0),
+        Lens("sine", 620.0),
+        Lens("equisolid", 560.0),
+        Lens("perspective", 700.0),
+        Lens("stereographic", 480.0),
+        Lens("polynomial", 540.0, coefficients=(0.02, -0.01, 0.003, -0.0005)),
+        Lens("equidistant", 500.0, view_angle=np.radians(130.0)),
+    ],
+    ids=lambda lens: lens.model,
+)
+def test_places_are_those_of_the_projection(lens):
+    matrix = camera_at([0.01, 0.02, -0.03], frame(0.2, -0.3, 0.4))
+    x = np.linspace(-0.2, 1.5, 120)
+    grid = wall_grid(matrix, lens, (959.5, 539.5), 0.16, 0.14, x, columns=180, first_bearing=-1.0)
+    turn = -1.0 + np.arange(180) * np.radians(2.0)
+    radius = 1.0 / np.hypot(np.cos(turn) / 0.16, np.sin(turn) / 0.14)
+    wall = np.stack(np.broadcast_arrays(x[:, None], radius * np.sin(turn), radius * np.cos(turn)), axis=-1)
+    truth = to_pixels(project(matrix, wall.reshape(-1, 3), lens), (959.5, 539.5)).reshape(120, 180, 2)
+    assert np.array_equal(np.isnan(truth[..., 0]), np.isnan(grid.columns))
+    inside = (np.abs(truth - [959.5, 539.5]) < 3000.0).all(axis=-1)
+    assert inside.mean() > 0.3
+    assert np.abs(grid.columns - truth[..., 0])[inside].max() < 0.05
+    assert np.abs(grid.rows - truth[..., 1])[inside].max() < 0.05
+
+
+def test_a_place_of_another_shape_is_refused():
+    with pytest.raises(ParameterError, match="matrix"):
+        wall_grid(np.eye(3), LENS, CENTRE, 0.15, 0.15, [0.1])
