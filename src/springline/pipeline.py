@@ -83,4 +83,5 @@ def _measurable(survey: Survey) -> Survey:
         f"there is no scan to inspect: the survey holds {held}",
         where=str(survey.attrs.get("name", "survey")),
         expected="rings or points",
+        mend="frames alone are looked at by `springline detect`" if survey.has("frames") else None,
     )

@@ -1,4 +1,4 @@
-"""`springline detect`: joints in frames, without a survey."""
+"""`springline detect`: joints in frames, and joints and laterals of a filmed pipe, without a scan."""
 
 from __future__ import annotations
 
@@ -17,27 +17,37 @@ from .run import as_json as print_json
 
 if TYPE_CHECKING:
     from ..imaging.detections import Detection
+    from ..survey import Survey
 
 app = typer.Typer(add_completion=False)
 
-_TABLE = "detections.csv"
+_TABLE, _PLACED = "detections.csv", "features.csv"
 _COLUMNS = ("image", "kind", "cx_px", "cy_px", "semi_major_px", "semi_minor_px", "angle_deg", "confidence")
 
 
 @app.command(
-    epilog="Examples:  springline detect frames/ -o found  |  springline detect 'run1/*.jpg' extra.png -o found"
+    epilog="Examples:  springline detect frames/ -o found  |  springline detect 'run1/*.jpg' extra.png -o found  |  "
+    "springline detect survey-folder/ --nominal 300mm -o found"
 )
 def detect(
     frames: Annotated[
-        list[Path], typer.Argument(metavar="FRAMES...", help="Images, folders of images, or quoted patterns.")
+        list[Path],
+        typer.Argument(
+            metavar="FRAMES...", help="Images, folders of images, or quoted patterns; or one survey folder with frames."
+        ),
     ],
     output: Annotated[Path, typer.Option("-o", "--output", metavar="DIR", help="Folder to write.")],
+    nominal: Annotated[
+        str | None, typer.Option("--nominal", metavar="LENGTH", help="The pipe's diameter, as 300mm, for a survey.")
+    ] = None,
     force: Force = False,
     as_json: Json = False,
 ) -> None:
     """Find joints in CCTV frames, from the images alone.
 
-    Laterals need lens and pose to be told from stains: `springline inspect` looks for them in a survey with frames.
+    Laterals need lens and pose to be told from stains. Of a survey folder whose frames have a lens and distances,
+    joints and laterals are placed on the pipe and written to DIR/features.csv, no scan needed; where there is one,
+    `springline inspect` uses both.
 
     Writes DIR/detections.csv, one row per object, and DIR/<frame>.png, each frame with what was found drawn on it;
     whole or not at all. Pixels count from the centre of the top left one, rows downwards; the angle of the major axis
@@ -46,8 +56,10 @@ def detect(
     from ..imaging.frames import find_frames
     from ..survey.files import replacing
 
-    paths = find_frames(frames)
+    survey = _survey(frames, nominal)
+    paths = find_frames(frames) if survey is None else _frames_of(survey)
     _check_replaceable(output, force)
+    placed, why = (None, "") if survey is None else _placed(survey)
     rows: list[tuple[str, Detection]] = []
     warnings: list[str] = []
     with replacing(output, force=force) as temporary:
@@ -62,7 +74,45 @@ def detect(
             writer = csv.writer(table, lineterminator="\n")
             writer.writerow(_COLUMNS)
             writer.writerows(_row(name, one) for name, one in rows)
-    _tell(output, read, rows, warnings, as_json)
+        if placed is not None:
+            from ..outputs import tables
+
+            tables.write_csv(tables.features_table(placed), temporary / _PLACED, tables.FEATURE_DECIMALS)
+    _tell(output, read, rows, warnings, as_json, placed, why)
+
+
+def _survey(frames: list[Path], nominal: str | None) -> Survey | None:
+    """Read the survey folder that was given; None where images were."""
+    from .reading import read_options
+
+    if len(frames) == 1 and (frames[0] / "survey.toml").is_file():
+        from ..io.reading import read_one
+
+        return read_one(frames[0], read_options(nominal=nominal), strict=False)
+    if nominal is not None:
+        raise InputError("only a survey folder is placed on the pipe", where="--nominal", expected="one with frames")
+    return None
+
+
+def _frames_of(survey: Survey) -> list[Path]:
+    if not survey.has("frames"):
+        raise InputError(
+            "the survey has no frames", where=survey.attrs.get("name", "survey"), expected="frames.csv",
+            mend="name it under [parts] in survey.toml",
+        )  # fmt: skip
+    folder = Path(survey.frames.attrs.get("folder", "."))
+    return [folder / path for path in survey.frames["path"].values.astype(str)]
+
+
+def _placed(survey: Survey) -> tuple[Survey | None, str]:
+    """Return the survey with its frames' features, or why it cannot be had."""
+    from ..config import Config
+    from ..stages.images.alone import images_alone
+
+    try:
+        return images_alone(survey, Config()), ""
+    except InputError as missing:
+        return None, f"joints and laterals are not placed on the pipe: {missing}"
 
 
 def _detect_into(folder: Path, paths: list[Path], rows: list[tuple[str, Detection]], warnings: list[str]) -> int:
@@ -121,14 +171,32 @@ def _check_replaceable(output: Path, force: bool) -> None:
         )
 
 
-def _tell(output: Path, read: int, rows: list[tuple[str, Detection]], warnings: list[str], as_json: bool) -> None:
+def _tell(
+    output: Path,
+    read: int,
+    rows: list[tuple[str, Detection]],
+    warnings: list[str],
+    as_json: bool,
+    placed: Survey | None,
+    why: str,
+) -> None:
     kinds = Counter(one.kind for _, one in rows)
+    on_pipe = Counter() if placed is None else Counter(placed.features["kind"].values.astype(str).tolist())
     if as_json:
         found = {"frames": read, "skipped": len(warnings), "joints": kinds["joint"], "laterals": kinds["lateral"]}
-        print_json(found | {"warnings": warnings, "output": str(output)})
+        if placed is not None:
+            found["placed"] = {"joints": on_pipe["joint"], "laterals": on_pipe["lateral"]}
+            found["assumptions"] = placed.assumptions
+        print_json(found | {"warnings": warnings + ([why] if why else []), "output": str(output)})
         return
     for sentence in warnings:
         sys.stderr.write(f"warning: skipped: {sentence}\n")
+    if why:
+        sys.stderr.write(f"warning: {why}\n")
+    for sentence in () if placed is None else placed.assumptions:
+        sys.stderr.write(f"assumed: {sentence}\n")
     skipped = f", {len(warnings)} skipped" if warnings else ""
     typer.echo(f"{read} frames{skipped}: {kinds['joint']} joints, {kinds['lateral']} laterals")
     typer.echo(f"  table            {output / _TABLE}")
+    if placed is not None:
+        typer.echo(f"  on the pipe      {on_pipe['joint']} joints, {on_pipe['lateral']} laterals: {output / _PLACED}")
