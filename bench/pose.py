@@ -173,8 +173,9 @@ def of_rings(one: Survey, mean: int = 1) -> dict[str, np.ndarray]:
 
 def attitude(one: Survey) -> np.ndarray:
     """Return pitch, yaw and roll (n, 3) by the inertial log against the way of the ring centres over half a metre."""
-    marks = Track(one.rings, one.log).at(one.rings.distance, 0.0)
-    axis = first_axis(one.rings, marks)
+    track = Track(one.rings, one.log)
+    marks = track.at(one.rings.distance, 0.0)
+    axis = first_axis(one.rings, lambda distance: track.at(distance, 0.0))
     rows = np.arange(len(axis))
     way = axis[np.minimum(rows + 25, len(axis) - 1)] - axis[np.maximum(rows - 25, 0)]
     x = way / np.linalg.norm(way, axis=1, keepdims=True)

@@ -1,9 +1,9 @@
 """Do the joint estimate's 95 % intervals hold the truth? Many short simulated surveys, every one another pipe.
 
-Biases, scale, clock and the odometer's noise are drawn anew for each run by the priors that the estimator states, and so
-are side-slip, the pipe's section, its joints and the place of its bend. Quantities of a station are pooled over the stations of all runs; scalars of a survey over the runs. The table
-goes into `docs/estimator.md`, between its marks. `SPRINGLINE_RUNS` says how many runs (default 200),
-`SPRINGLINE_FIRST` which seed comes first.
+Biases, scale, clock and the odometer's noise are drawn anew for each run by the priors that the estimator states; drawn
+too are side-slip, the pipe's section, its joints and the place of its bend. Quantities of a station are pooled over the
+stations of all runs; scalars of a survey over the runs. The table goes into `docs/estimator.md`, between its marks.
+`SPRINGLINE_RUNS` says how many runs (default 200), `SPRINGLINE_FIRST` which seed comes first.
 """
 
 from __future__ import annotations

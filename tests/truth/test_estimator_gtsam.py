@@ -11,6 +11,7 @@ from springline.estimation import Inertial, JointOptions, Rings, Ties
 from springline.estimation.iterate import iterate
 from springline.estimation.joint import _set_up
 from springline.estimation.solver import Normal
+from springline.estimation.spill import Spill
 from springline.estimation.states import AXIS, BLOCK, CLOCK, ORIGIN, SCALARS, State, place
 from springline.estimation.torus import bend_terms
 from springline.geometry.fitting import fit_ellipses_to_ranges
@@ -59,7 +60,7 @@ def solved():
     points = np.stack([known[name].values for name in ("easting", "northing", "elevation")], axis=1)
     options = JointOptions(knot_step=0.1, tolerance=1e-4, iterations=40)
     problem, state = _set_up(rings, log, Ties(known["distance"].values, points, known["sigma"].values), options)
-    solution = iterate(problem, state, lambda now: bend_terms(problem, now))
+    solution = iterate(problem, state, lambda now: bend_terms(problem, now), Spill(on_disk=False))
     assert solution.converged
     return problem, solution
 
@@ -70,14 +71,16 @@ class Graph:
     def __init__(self, problem, solution, widen=1.0):
         self.problem, self.like = problem, solution.state
         normal = Normal.zeros(len(self.like.knots), BLOCK, SCALARS)
-        for factor in problem.factors(float(self.like.scalars[CLOCK]), bend_terms(problem, self.like)).values():
+        for factor in problem.factors(
+            problem.windows[0], float(self.like.scalars[CLOCK]), bend_terms(problem, self.like)
+        ).values():
             factor.linearise(self.like).add(normal)
         self.sigma = 1.0 / np.sqrt(np.einsum("kii->ki", normal.diagonal))
         self.edge = 1.0 / np.sqrt(np.diag(normal.corner))
         self.keys = [*range(len(self.sigma)), SCALAR_KEY]
         self.graph = gtsam.NonlinearFactorGraph()
         clock, bent = float(self.like.scalars[CLOCK]), bend_terms(problem, self.like)
-        for name, factor in problem.factors(clock, bent).items():
+        for name, factor in problem.factors(problem.windows[0], clock, bent).items():
             factor.scale = widen * solution.scales.get(name, factor.scale)
             self.graph.add(self.measurement(factor.linearise, factor.linearise(self.like).weight))
         for row in range(len(problem.ties.sigma)):
@@ -146,6 +149,11 @@ class Graph:
         return gtsam.CustomFactor(gtsam.noiseModel.Isotropic.Sigma(3, ties.sigma[row]), self.keys, error)
 
 
+def sigmas_of_knots(found):
+    """Return one-sigma of every state of every knot."""
+    return np.sqrt(np.einsum("kii->ki", found.rows(0, found.windows[-1].last)[0]))
+
+
 def test_the_optimum_and_its_covariance_are_those_of_gtsam(solved):
     graph, (_, solution) = Graph(*solved), solved
     settings = gtsam.GaussNewtonParams()
@@ -153,7 +161,7 @@ def test_the_optimum_and_its_covariance_are_those_of_gtsam(solved):
     start = graph.values(np.random.default_rng(1), 3.0)
     best = gtsam.GaussNewtonOptimizer(graph.graph, start, settings).optimize()
     found = solution.covariance
-    own = [*np.sqrt(np.einsum("kii->ki", found.diagonal)), np.sqrt(np.diag(found.corner))]
+    own = [*sigmas_of_knots(found), np.sqrt(np.diag(found.corner))]
     for k, unit, sigma in zip(graph.keys, [*graph.sigma, graph.edge], own, strict=True):
         assert np.max(np.abs(best.atVector(k) * unit / sigma)) < 0.02
     knots, scalars = graph.sigmas(best)
@@ -164,5 +172,5 @@ def test_the_optimum_and_its_covariance_are_those_of_gtsam(solved):
 def test_the_check_would_see_scales_that_are_wrong(solved):
     graph, (_, solution) = Graph(*solved, widen=2.0), solved
     knots, _ = graph.sigmas(graph.values(np.random.default_rng(1), 0.0))
-    own = np.sqrt(np.einsum("kii->ki", solution.covariance.diagonal))
+    own = sigmas_of_knots(solution.covariance)
     assert np.max(np.abs(own / knots - 1.0)) > 0.1

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .solver import Factored, Stretch
+from .covariance import Covariance, Stretch
 from .states import DIRECTION
 
 LEAST_ANGLE = np.radians(3.0)
@@ -55,7 +55,7 @@ class Bend:
     radius_sigma: float
 
 
-def find_bends(chainage: np.ndarray, direction: np.ndarray, covariance: Factored) -> tuple[Bend, ...]:
+def find_bends(chainage: np.ndarray, direction: np.ndarray, covariance: Covariance) -> tuple[Bend, ...]:
     """Return the bends of an axis.
 
     Args:

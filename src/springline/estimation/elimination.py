@@ -1,4 +1,4 @@
-"""Compiled kernels of the block-tridiagonal solution; every one works in place, so that memory stays at one copy."""
+"""Compiled kernels of the block-tridiagonal solution, one window of blocks at a time; every one works in place."""
 
 from __future__ import annotations
 
@@ -7,18 +7,19 @@ from numba import njit
 
 
 @njit(cache=True)
-def eliminate(diagonal, beside, right, border):
-    """Solve T X = right, and return right[..., :border]' X and whether T is positive definite.
+def eliminate(diagonal, beside, right, ends):
+    """Eliminate a window's blocks, and return right' T^-1 right of those eliminated and whether T is positive definite.
 
     Overwrites `diagonal` with the inverses of the pivots, `beside` with the steps that eliminate each block, and
-    `right` with X. Pivots are factored by Cholesky and lose a square, never a product, so that they stay symmetric to
-    the last bit.
+    `right` with what `substitute` starts from. Unless the window `ends` the survey its last block is not eliminated,
+    but left as the next window finds it. Pivots are factored by Cholesky and lose a square, never a product, so that
+    they stay symmetric to the last bit.
     """
     knots, block = diagonal.shape[:2]
-    tied = np.zeros((border, right.shape[2]))
+    tied = np.zeros((right.shape[2], right.shape[2]))
     pivot = diagonal[0].copy()
     lower = np.zeros((block, block))
-    for k in range(knots):
+    for k in range(knots if ends else knots - 1):
         for j in range(block):
             value = pivot[j, j]
             for i in range(j):
@@ -35,7 +36,7 @@ def eliminate(diagonal, beside, right, border):
         above = np.ascontiguousarray(root.T)
         diagonal[k] = above @ root
         own = root @ right[k]
-        tied += np.ascontiguousarray(own[:, :border].T) @ own
+        tied += np.ascontiguousarray(own.T) @ own
         if k < knots - 1:
             half = root @ beside[k]
             beside[k] = above @ half
@@ -43,8 +44,8 @@ def eliminate(diagonal, beside, right, border):
             pivot = diagonal[k + 1] - across @ half
             right[k + 1] -= across @ own
         right[k] = above @ own
-    for k in range(knots - 2, -1, -1):
-        right[k] -= beside[k] @ right[k + 1]
+    if not ends:
+        diagonal[knots - 1] = pivot
     return tied, True
 
 
@@ -64,36 +65,37 @@ def _invert(lower):
 
 
 @njit(cache=True)
-def selected(inverse, step, scale):
-    """Turn what `eliminate` left into the diagonal blocks of the inverse of T and those beside them, times scales."""
-    knots, block = scale.shape
-    for k in range(knots - 2, -1, -1):
-        beside = -step[k] @ inverse[k + 1]
-        inverse[k] -= beside @ np.ascontiguousarray(step[k].T)
-        step[k] = beside
-    for k in range(knots):
-        for i in range(block):
-            for j in range(block):
-                inverse[k, i, j] *= scale[k, i] * scale[k, j]
-                if k < knots - 1:
-                    step[k, i, j] *= scale[k, i] * scale[k + 1, j]
+def substitute(beside, right):
+    """Turn `right` into T^-1 right, the last block being that already."""
+    for k in range(len(right) - 2, -1, -1):
+        right[k] -= beside[k] @ right[k + 1]
 
 
 @njit(cache=True)
-def ways(blocks, beside, reach):
+def selected(inverse, step):
+    """Turn what `eliminate` left into the diagonal blocks of the inverse of T and those beside them, the last known."""
+    for k in range(len(inverse) - 2, -1, -1):
+        beside = -step[k] @ inverse[k + 1]
+        inverse[k] -= beside @ np.ascontiguousarray(step[k].T)
+        step[k] = beside
+
+
+@njit(cache=True)
+def ways(blocks, beside, reach, before, shared):
     """Return the covariance (knot, 4, 4) of the sums of what all ways (the first three states) before each knot add.
 
-    Knots are a Markov chain: what the sums share with the next knot they share through this one.
+    Knots are a Markov chain: what the sums share with the next knot they share through this one. `before` (4, 4) is the
+    covariance at the first knot, and `shared` (4, block) what its sums share with it; that of the last knot takes its
+    place.
     """
-    knots, block = blocks.shape[:2]
+    knots = len(blocks)
     out = np.zeros((knots, 4, 4))
-    shared = np.zeros((4, block))
+    out[0] = before
     for k in range(knots - 1):
         own = reach[k] @ np.ascontiguousarray(blocks[k, :3])
         with_sums = np.ascontiguousarray(shared[:, :3]) @ reach[k].T
         out[k + 1] = out[k] + with_sums + with_sums.T + np.ascontiguousarray(own[:, :3]) @ reach[k].T
-        through = np.linalg.solve(blocks[k], beside[k])
-        shared = (shared + own) @ through
+        shared[:] = (shared + own) @ np.linalg.solve(blocks[k], beside[k])
     return out
 
 
@@ -108,12 +110,16 @@ def add_products(blocks, beside, left, right):
 
 
 @njit(cache=True)
-def chain_variance(blocks, beside, weights):
-    """Return the variance of the sum of weights[k] . states[k] over a stretch of knots that are a Markov chain."""
-    total, shared = 0.0, np.zeros(blocks.shape[1])
+def chain_variance(blocks, beside, weights, shared):
+    """Return the variance that weights[k] . states[k] add up to over a stretch of knots that are a Markov chain.
+
+    `shared` (block,) is what the sum before shares with the first knot; what it shares with the knot after the last of
+    `beside` takes its place.
+    """
+    total = 0.0
     for k in range(len(blocks)):
         own = blocks[k] @ weights[k]
         total += weights[k] @ own + 2.0 * (shared @ weights[k])
         if k < len(beside):
-            shared = (shared + own) @ np.linalg.solve(blocks[k], beside[k])
-    return max(total, 0.0)
+            shared[:] = (shared + own) @ np.linalg.solve(blocks[k], beside[k])
+    return total

@@ -14,12 +14,14 @@ from .iterate import Solution, iterate
 from .options import JointOptions
 from .problem import Problem
 from .profile import find_sags, joint_angles
-from .rear import Rear, RearFactor, crooked
+from .rear import Rear, crooked, rear_misfit
 from .results import SCALAR_NAMES, JointEstimate, at_rings
+from .spill import Spill
 from .start import first_axis, first_state, heading_of, straight_state
 from .states import DIRECTION, State, knots_over
 from .torus import bend_terms
-from .track import Track
+from .track import Marks, Track
+from .windows import HELD
 
 _FEWEST = 10
 _MISFIT = 1.5
@@ -81,9 +83,11 @@ def estimate_joint(
             )
     problem, state = _set_up(rings, inertial, ties, options)
     problem.rear = rear
-    solution = iterate(problem, state, lambda now: bend_terms(problem, now))
     doubt = np.zeros(len(rings.distance)) if harmonics is None else harmonics.doubt
-    return _told(problem, solution, ties, remarks, doubt, np.empty(0) if joints is None else np.asarray(joints, float))
+    asked = np.empty(0) if joints is None else np.asarray(joints, float)
+    with Spill(on_disk=len(problem.windows) > HELD) as aside:
+        solution = iterate(problem, state, lambda now: bend_terms(problem, now), aside)
+        return _told(problem, solution, ties, remarks, doubt, asked)
 
 
 def _check(rings: Rings, inertial: Inertial | None) -> None:
@@ -111,6 +115,12 @@ def _set_up(rings: Rings, inertial: Inertial | None, ties: Ties | None, options:
     problem = Problem(rings, options, knots, track, None, np.zeros(3), False)
     if track is None:
         return problem, straight_state(knots, rings)
+    seen = rings.seen
+
+    def marks(distance: np.ndarray) -> Marks:
+        return problem.marks(distance, 0.0)
+
+    axis = first_axis(rings, marks)
     if ties is not None and len(ties.distance):
         # A robot's middle abreast of a tie leaves the sensor its lever further on.
         shifted = Ties(
@@ -118,19 +128,16 @@ def _set_up(rings: Rings, inertial: Inertial | None, ties: Ties | None, options:
         )
         if rings.lever[0]:
             shifted = replace(shifted, distance=shifted.distance - rings.lever[0])
-        seen = rings.seen
-        axis = first_axis(rings, problem.marks(rings.distance, 0.0))
         heading = heading_of(axis[seen], rings.distance[seen], shifted)
         north = heading is not None
         if north:
             track.turned(heading)
-    marks, at_knots = problem.marks(rings.distance, 0.0), problem.marks(knots, 0.0)
-    axis = first_axis(rings, marks)[rings.seen]
-    origin = -axis[0]
+            axis = first_axis(rings, marks)
+    origin = -axis[seen][0]
     if shifted is not None:
-        shown = np.stack([np.interp(shifted.distance[0], rings.distance[rings.seen], axis[:, k]) for k in range(3)])
+        shown = np.stack([np.interp(shifted.distance[0], rings.distance[seen], axis[seen, k]) for k in range(3)])
         origin = shifted.position[0] - shown
-    state = first_state(knots, rings, marks, at_knots, origin)
+    state = first_state(knots, rings, marks, axis, origin)
     return replace(problem, ties=shifted, origin=state.axis[0], north=north), state
 
 
@@ -195,7 +202,7 @@ def _of_rear(problem: Problem, solution: Solution, values: dict[str, np.ndarray]
             values["pose_covariance"][:, 2 + k, 2 + k] += bent[:, k] ** 2
         count = int(bent.any(axis=1).sum())
         return [f"The pipe bends between the two scanners at {count} rings: tilt is in doubt there."] if count else []
-    apart = RearFactor(problem, None).misfit(solution.state)
+    apart = rear_misfit(problem, solution.state)
     if not apart > _MISFIT:
         return []
     return [

@@ -42,6 +42,7 @@ from .states import (
     place,
 )
 from .track import REACH, Marks, Track
+from .windows import Window, cut
 
 _FIXED = 1e-6
 _NEARBY = 1.0
@@ -110,39 +111,54 @@ class Problem:
             lever=self.rings.lever,
         )
 
-    def factors(self, clock: float, bent: np.ndarray) -> dict[str, Factor]:
-        """Return all factors with the inertial clock near `clock`; `bent` as in `rings` (n, 5)."""
-        own, intervals = self.options, len(self.knots) - 1
-        seen = self.rings.seen
-        distance = self.rings.distance[seen]
-        out = [
-            RingFactor(
-                lambda rows: self.places(distance[rows], clock),
-                self.rings.parameters[seen],
-                self.rings.covariance[seen],
-                bent[seen],
-            ),
-            section(intervals, self.step, own.trend, own.wander, own.tails),
-            axis(intervals, self.step, own.kink, own.kink_tails, straight=self.track is None),
-        ]
+    @cached_property
+    def intervals(self) -> np.ndarray:
+        """Knot before each ring (n,)."""
+        return place(self.rings.distance, self.knots)[0]
+
+    @cached_property
+    def windows(self) -> list[Window]:
+        """What is linearised, eliminated and told at once."""
+        return cut(self.intervals, len(self.knots) - 1)
+
+    def factors(self, window: Window, clock: float, bent: np.ndarray) -> dict[str, Factor]:
+        """Return the factors of a window with the inertial clock near `clock`; `bent` as in `rings` (n, 5)."""
+        own, intervals = self.options, window.intervals
+        out: list[Factor] = []
+        rows = window.rows(self.intervals)
+        seen = rows.start + np.flatnonzero(self._seen[rows])
+        if seen.size:
+            at = self.places(self.rings.distance[seen], clock)
+            out.append(RingFactor(at, self.rings.parameters[seen], self.rings.covariance[seen], bent[seen]))
+        out.append(section(intervals, self.step, own.trend, own.wander, own.tails))
+        out.append(axis(intervals, self.step, own.kink, own.kink_tails, straight=self.track is None))
+        creep = None
         if self.rings.odometer:
             # By number: rounding must not put a knot into the interval before it.
-            every = (np.arange(intervals), np.zeros(intervals))
-            starts = self.places(self.knots[:-1], clock, every)
+            starts = self.places(self.knots[intervals], clock, (intervals, np.zeros(len(intervals))))
             root = np.sqrt(self.step)
-            along = np.hypot(own.along * root, _SPUN * self._spun)
+            along = np.hypot(own.along * root, _SPUN * self._spun[intervals])
             # Without a log it is a rear scanner that tells the attitude, if anything does.
             swings = self.track is None and self.rear is not None
-            out.append(odometry(starts, along, own.across * root, own.tails, own.across_tails, swings=swings))
+            creep = odometry(starts, along, own.across * root, own.tails, own.across_tails, swings=swings)
             # Creep and wander of an attitude that nothing else tells cannot both be taken from the data.
-            out[-1].tuned = (False, self.track is not None or swings)
-        if self.rear is not None:
-            out.append(rear_factor(self, out[-1] if self.rings.odometer else None))
-        out += self._inertial if self.track is not None else self._blind(intervals)
+            creep.tuned = (False, self.track is not None or swings)
+            out.append(creep)
+        out += self._felt_over(intervals) if self.track is not None else self._blind(window)
         value = np.zeros(SCALARS)
         value[ORIGIN] = self.origin
-        out += [*self._gauge(), scalars(value, self._priors())]
-        return {factor.name: factor for factor in out}
+        out += self._gauge(window)
+        if window.first == 0:
+            out.append(scalars(value, self._priors()))
+        factors = {factor.name: factor for factor in out}
+        if self.rear is not None and (seen_twice := rear_factor(self, creep, window)) is not None:
+            factors[seen_twice.name] = seen_twice
+        return factors
+
+    @cached_property
+    def _seen(self) -> np.ndarray:
+        """Whether each ring has an ellipse (n,)."""
+        return self.rings.seen
 
     @cached_property
     def _spun(self) -> np.ndarray:
@@ -155,44 +171,49 @@ class Problem:
         return np.where(more > _SPINNING * self.step, more, 0.0)
 
     @cached_property
-    def _inertial(self) -> list[Factor]:
-        """The inertial log's own factors, which do not ask what the rings' clock shows."""
-        own = self.options
+    def _inertial(self) -> tuple[np.ndarray, ...]:
+        """What the inertial log tells of each interval, which does not ask what the rings' clock shows."""
         felt = self.track.between(self.knots)
-        walk = np.sqrt(own.gyro_noise**2 * felt.spread[:, 0] + felt.spread[:, 1] + (1e-7) ** 2)
+        walk = np.sqrt(self.options.gyro_noise**2 * felt.spread[:, 0] + felt.spread[:, 1] + (1e-7) ** 2)
         force = (felt.force - felt.change) / felt.seconds[:, None]
-        mean = felt.still / felt.seconds[:, None, None]
-        return [
-            gyro(felt.moving, walk),
-            gravity(force, mean, felt.seconds, own.accel_noise / np.sqrt(felt.seconds), own.tails),
-        ]
+        return felt.moving, walk, force, felt.still / felt.seconds[:, None, None], felt.seconds
 
-    def _blind(self, intervals: int) -> list[Factor]:
+    def _felt_over(self, intervals: np.ndarray) -> list[Factor]:
+        """Return the inertial log's own factors."""
+        own = self.options
+        moving, walk, force, mean, seconds = (values[intervals] for values in self._inertial)
+        noise = own.accel_noise / np.sqrt(seconds)
+        return [gyro(intervals, moving, walk), gravity(intervals, force, mean, noise, own.tails)]
+
+    def _blind(self, window: Window) -> list[Factor]:
         """Return what takes the place of an inertial log: attitude wanders, roll and the pipe's direction stay."""
-        walk = np.full(intervals, self.options.turning * np.sqrt(self.step))
-        wanders = gyro(np.zeros((intervals, 3, 3)), walk)
+        intervals = window.intervals
+        walk = np.full(len(intervals), self.options.turning * np.sqrt(self.step))
+        wanders = gyro(intervals, np.zeros((len(intervals), 3, 3)), walk)
         wanders.tuned = (True,)
         # The working frame's north is the pipe's own direction: roll is about it.
-        level = known("level", np.arange(intervals + 1), np.array([TILT.start + 1]), np.zeros(1), np.array([_FIXED]))
+        level = known("level", _own(window), np.array([TILT.start + 1]), np.zeros(1), np.array([_FIXED]))
         return [wanders, level]
 
-    def _gauge(self) -> list[Factor]:
-        first = np.zeros(1, np.int64)
+    def _gauge(self, window: Window) -> list[Factor]:
+        first, tilt = np.zeros(1, np.int64), np.arange(TILT.start, TILT.stop)
         out = []
-        # Beyond the last knot the axis goes nowhere: a state without a meaning.
-        last = np.array([len(self.knots) - 1])
-        out.append(known("end", last, np.arange(AXIS.start, AXIS.stop), np.zeros(3), np.ones(3)))
+        if window.ends:
+            # Beyond the last knot the axis goes nowhere: a state without a meaning.
+            ways = np.arange(AXIS.start, AXIS.stop)
+            out.append(known("end", np.array([window.last]), ways, np.zeros(3), np.ones(3)))
         if self.track is None:
             states = np.arange(DIRECTION.start, DIRECTION.stop)
-            out.append(known("straight", np.arange(len(self.knots)), states, np.zeros(2), np.full(2, _FIXED)))
+            out.append(known("straight", _own(window), states, np.zeros(2), np.full(2, _FIXED)))
             if not self.rings.odometer:
                 forward = np.array([0.0, self.step, 0.0])
                 ways = np.arange(AXIS.start, AXIS.stop)
-                out.append(known("spacing", np.arange(len(self.knots) - 1), ways, forward, np.full(3, self.step)))
-            out.append(known("attitude", first, np.arange(TILT.start, TILT.stop), np.zeros(3), np.full(3, 0.1)))
-        else:
-            sigma = np.array([_LEVEL, _LEVEL, _NORTH if self.north else 1e-6])
-            out.append(known("attitude", first, np.arange(TILT.start, TILT.stop), np.zeros(3), sigma))
+                knots = _own(window)
+                knots = knots[knots < len(self.knots) - 1]
+                out.append(known("spacing", knots, ways, forward, np.full(3, self.step)))
+        if window.first == 0:
+            free = np.array([_LEVEL, _LEVEL, _NORTH if self.north else 1e-6])
+            out.append(known("attitude", first, tilt, np.zeros(3), free if self.track is not None else np.full(3, 0.1)))
         return out
 
     def _priors(self) -> np.ndarray:
@@ -217,10 +238,10 @@ class Problem:
             sigma[[*range(GYRO.start, ACCEL.stop), CLOCK, SCALE]] = _FIXED
         return sigma
 
-    def threads(self, state: State) -> Threads | None:
+    def threads(self, state: State) -> Threads:
         """Return the ties as the long threads from the origin along the axis that they are."""
         if self.ties is None:
-            return None
+            return Threads.none()
         interval, share = place(np.asarray(self.ties.distance, float), self.knots)
         point = state.axis[interval] + share[:, None] * state.knots[interval, AXIS]
         return Threads(interval, share, self.ties.position - point, np.asarray(self.ties.sigma, float))
@@ -233,3 +254,8 @@ def level_marks(distance: np.ndarray) -> Marks:
     reach = np.zeros((count, 3, REACH))
     reach[:, :, :3], reach[:, :, 3:6] = axes * distance[:, None, None], axes
     return Marks(axes, reach, np.zeros((count, 3, 3)), np.zeros_like(reach))
+
+
+def _own(window: Window) -> np.ndarray:
+    """Return the numbers of a window's knots; the border knot is the earlier window's."""
+    return np.arange(window.first + (window.first > 0), window.last + 1)

@@ -7,8 +7,8 @@ from itertools import pairwise
 
 import numpy as np
 
-from .solver import Factored, Stretch
-from .states import AXIS, DIRECTION, SECTION
+from .covariance import Covariance, sigma_of_sum
+from .states import AXIS, BLOCK, DIRECTION, SECTION
 
 LEAST_DEPTH = 2e-3
 """Shallowest sag that is called one [m]."""
@@ -64,7 +64,7 @@ class Deflection:
     right_sigma: float
 
 
-def find_sags(chainage: np.ndarray, knots: np.ndarray, elevation: np.ndarray, found: Factored) -> tuple[Sag, ...]:
+def find_sags(chainage: np.ndarray, knots: np.ndarray, elevation: np.ndarray, found: Covariance) -> tuple[Sag, ...]:
     """Return the sags of an axis: where its invert hangs below a string drawn tight over its high places.
 
     Args:
@@ -119,23 +119,23 @@ def _string(x: np.ndarray, y: np.ndarray) -> list[int]:
     return corners
 
 
-def _depth_sigma(found: Factored, first: int, middle: int, last: int, share: float) -> float:
+def _depth_sigma(found: Covariance, first: int, middle: int, last: int, share: float) -> float:
     """Return one-sigma of the depth below the string: of ways up before and after the middle, weighted against it."""
-    weights = np.zeros((last - first + 1, found.diagonal.shape[1]))
+    weights = np.zeros((last - first + 1, BLOCK))
     up = AXIS.start + 2
     weights[: middle - first, up], weights[middle - first : -1, up] = share - 1.0, share
-    return Stretch.of(found, first, last).sigma(weights)
+    return sigma_of_sum(found, first, weights)
 
 
-def _rise_sigma(found: Factored, first: int, last: int) -> float:
+def _rise_sigma(found: Covariance, first: int, last: int) -> float:
     if first == last:
         return 0.0
-    weights = np.zeros((last - first + 1, found.diagonal.shape[1]))
+    weights = np.zeros((last - first + 1, BLOCK))
     weights[:-1, AXIS.start + 2] = 1.0
-    return Stretch.of(found, first, last).sigma(weights)
+    return sigma_of_sum(found, first, weights)
 
 
-def joint_angles(at: np.ndarray, chainage: np.ndarray, knots: np.ndarray, found: Factored) -> tuple[Deflection, ...]:
+def joint_angles(at: np.ndarray, chainage: np.ndarray, knots: np.ndarray, found: Covariance) -> tuple[Deflection, ...]:
     """Return the angles between the straight runs before and after joints; none where a run is too short.
 
     Args:
@@ -152,12 +152,12 @@ def joint_angles(at: np.ndarray, chainage: np.ndarray, knots: np.ndarray, found:
             continue
         first, last = before[0], after[-1]
         level = float(np.cos(knots[first : last + 1, DIRECTION.start + 1].mean()))
-        turn, sigma, stretch = [], [], Stretch.of(found, int(first), int(last))
+        turn, sigma = [], []
         for state, size in ((DIRECTION.start + 1, 1.0), (DIRECTION.start, level)):
             weights = np.zeros((last - first + 1, knots.shape[1]))
             weights[before - first, state], weights[after - first, state] = -size / len(before), size / len(after)
             turn.append(float(np.sum(weights * knots[first : last + 1])))
-            sigma.append(stretch.sigma(weights))
+            sigma.append(sigma_of_sum(found, int(first), weights))
         out.append(Deflection(float(place), turn[0], turn[1], sigma[0], sigma[1]))
     return tuple(out)
 

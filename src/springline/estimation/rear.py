@@ -19,7 +19,7 @@ from scipy.ndimage import maximum_filter1d, uniform_filter1d
 from ..errors import InputError
 from .data import Rings
 from .factors.base import Factor, Linear, local_columns, robust_weight
-from .factors.rings import COLUMNS, WINDOW
+from .factors.rings import COLUMNS
 from .factors.sensor import Places
 from .rotations import dot, pipe_frame, rotate
 from .states import BASE_RIGHT, BASE_UP, BLOCK, CLOCK, DIRECTION, OFFSET, REAR_SCALE, SCALE, TILT, State, place
@@ -27,6 +27,7 @@ from .torus import added_at
 
 if TYPE_CHECKING:
     from .problem import Problem
+    from .windows import Window
 
 NAME = "rings_rear"
 _SHORTEST = 0.02
@@ -80,13 +81,13 @@ class RearFactor(Factor):
 
     many = True
 
-    def __init__(self, problem: Problem, creep: Factor | None, rows: slice | None = None) -> None:
+    def __init__(self, problem: Problem, creep: Factor | None, window: Window) -> None:
         """Make the factor.
 
         Args:
             problem: With its rear rings.
             creep: Factor of the odometry, whose second group is what the robot strays across its way.
-            rows: Which of the rear rings that show a section between the knots; all unless given.
+            window: Where the sections are that the rear rings show.
         """
         columns = np.concatenate([COLUMNS, _OWN])
         super().__init__(NAME, np.arange(0), columns, None, (slice(0, 2), slice(2, 5)))
@@ -96,17 +97,12 @@ class RearFactor(Factor):
         at = rear.distance + self._arm[0]
         within = rear.seen & (at >= knots[0]) & (at <= knots[-1])
         within &= (rear.distance >= knots[0]) & (rear.distance <= knots[-1])
-        self._all = np.flatnonzero(within)
-        self._rows = rows or slice(0, len(self._all))
-
-    def windows(self) -> list[Factor]:
-        """Return the rings in windows that are small enough to linearise at once."""
-        cuts = range(0, len(self._all), WINDOW)
-        return [RearFactor(self._problem, self._creep, slice(first, first + WINDOW)) for first in cuts]
+        within = np.flatnonzero(within)
+        self.chosen = within[window.rows(place(at[within], knots)[0])]
 
     def linearise(self, state: State) -> Linear:
         """Return residuals, derivatives and weights at a state."""
-        chosen = self._all[self._rows]
+        chosen = self.chosen
         measured = self._problem.rear.rings.parameters[chosen]
         at, shown, slopes = self._shown(chosen, state)
         self.interval = at.interval
@@ -178,22 +174,33 @@ class RearFactor(Factor):
         turning = own.gyro_noise**2 * seconds * base**2 / 3.0
         return alike * ((across**2 + own.along**2 * tilt) * base + turning)
 
-    def misfit(self, state: State) -> float:
-        """Return the median square of the residuals of shape over that of normal noise; NaN without rings."""
-        parts = [part.linearise(state).residual[:, 2:] for part in self.windows()]
-        return float(np.median(np.concatenate(parts) ** 2) / _NORMAL) if parts else np.nan
+
+def rear_misfit(problem: Problem, state: State) -> float:
+    """Return the median square of the rear rings' residuals of shape over that of normal noise; NaN without rings."""
+    factors = (RearFactor(problem, None, window) for window in problem.windows)
+    parts = [one.linearise(state).residual[:, 2:] for one in factors if one.chosen.size]
+    return float(np.median(np.concatenate(parts) ** 2) / _NORMAL) if parts else np.nan
 
 
-def rear_factor(problem: Problem, creep: Factor | None) -> Factor:
-    """Return the factor of the rear rings: with a track from the section that both saw, else from the chord."""
-    return RearFactor(problem, creep) if problem.track is not None else _chord(problem)
+def rear_factor(problem: Problem, creep: Factor | None, window: Window) -> Factor | None:
+    """Return the factor of a window's rear rings: with a track from the section that both saw, else from the chord.
+
+    None where the window has no such rings.
+    """
+    if problem.track is None:
+        return _chord(problem, window)
+    factor = RearFactor(problem, creep, window)
+    return factor if factor.chosen.size else None
 
 
-def _chord(problem: Problem) -> Factor:
+def _chord(problem: Problem, window: Window) -> Factor | None:
     """Return the factor that lays the rear rings' centres on the straight axis abreast of the front scanner."""
     rear, knots = problem.rear.rings, problem.knots
     arm = problem.rear.arm(problem.rings)
     chosen = np.flatnonzero(rear.seen & (rear.distance >= knots[0]) & (rear.distance <= knots[-1]))
+    chosen = chosen[window.rows(place(rear.distance[chosen], knots)[0])]
+    if not chosen.size:
+        return None
     interval, share = place(rear.distance[chosen], knots)
     axes = problem.marks(rear.distance[chosen], 0.0).axes
     mounted, centre = axes @ problem.rear.mounting, rear.parameters[chosen, :2]
@@ -222,8 +229,10 @@ def crooked(problem: Problem, state: State) -> np.ndarray:
         problem: Without a track, with an odometer and rear rings.
         state: The estimate.
     """
-    factor = problem.factors(0.0, np.zeros((len(problem.rings.distance), 5)))["odometry"]
-    across = factor.residual(state.knots[:-1], state.knots[1:], state.scalars)[:, 1:]
+    bent, across = np.zeros((len(problem.rings.distance), 5)), np.empty((len(problem.knots) - 1, 2))
+    for window in problem.windows:
+        factor, rows = problem.factors(window, 0.0, bent)["odometry"], window.intervals
+        across[rows] = factor.residual(state.knots[rows], state.knots[rows + 1], state.scalars)[:, 1:]
     tilt = across * problem.options.across / np.sqrt(problem.step)
     within = max(round(abs(problem.rear.arm(problem.rings)[0]) / problem.step), 1)
     mean = uniform_filter1d(tilt, within, axis=0, mode="nearest")

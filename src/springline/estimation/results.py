@@ -9,7 +9,6 @@ from numba import njit
 
 from .bends import Bend
 from .factors.base import WIDTH
-from .factors.rings import WINDOW
 from .iterate import Solution
 from .problem import Problem
 from .profile import Deflection, Sag
@@ -143,11 +142,14 @@ def at_rings(problem: Problem, solution: Solution) -> dict[str, np.ndarray]:
         )
     }
     out["rings"] = bend_terms(problem, state)
-    for first in range(0, count, WINDOW):
-        rows = slice(first, first + WINDOW)
+    for window in problem.windows:
+        rows = window.rows(problem.intervals)
+        if rows.start == rows.stop:
+            continue
         at = problem.places(problem.rings.distance[rows], float(state.scalars[CLOCK]))
         value, slopes = at.evaluate(1, state, np.arange(WIDTH))
-        spread = _sandwich(at.interval, slopes, found.diagonal, found.beside, found.border, found.corner)
+        blocks = found.rows(window.first, window.last)
+        spread = _sandwich(at.interval - window.first, slopes, *blocks, found.corner)
         share, before = np.clip(at.share, 0.0, 1.0)[:, None, None], at.interval
         points = found.axis[before] * (1.0 - share) + found.axis[before + 1] * share
         ahead = np.sign(np.einsum("ni,ni->n", value[:, 8:11], state.knots[before, :3]))

@@ -2,22 +2,51 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 
 from .data import Rings, Ties
 from .factors.sensor import reach_weights
 from .rotations import dot, pipe_frame
 from .states import AXIS, BLOCK, DIRECTION, OFFSET, ORIGIN, SCALARS, SECTION, State
-from .track import Marks
+from .windows import MOST_RINGS
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from .track import Marks
 
 _SPAN = 0.15
 """Half the length over which the first direction is taken [m]."""
 
 
-def first_axis(rings: Rings, marks: Marks) -> np.ndarray:
-    """Return the ring centres on Earth (n, 3) by dead reckoning: in a straight pipe they lie on its axis."""
-    point = marks.reach @ reach_weights(np.zeros(SCALARS), rings.lever)
-    return point + marks.axes[..., 2] * rings.parameters[:, :1] + marks.axes[..., 1] * rings.parameters[:, 1:2]
+def reckoned(
+    marks: Callable[[np.ndarray], Marks], distance: np.ndarray, lever: tuple[float, float, float]
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return where the sensor is by dead reckoning from the first place (n, 3), and the robot's y and z there (n, 3).
+
+    Args:
+        marks: The track at odometer readings; a part of the places is asked for at a time.
+        distance: Of the places, increasing [m] (n,).
+        lever: Sensor ahead, above and right of the robot's middle [m].
+    """
+    weights = reach_weights(np.zeros(SCALARS), lever)
+    point, up, right = np.zeros((3, len(distance), 3))
+    for first in range(0, len(distance), MOST_RINGS):
+        # The last place of the part before joins the two.
+        rows = slice(max(first - 1, 0), first + MOST_RINGS)
+        part = marks(distance[rows])
+        way = part.reach @ weights
+        point[rows] = point[rows.start] + way - way[0]
+        up[rows], right[rows] = part.axes[..., 1], part.axes[..., 2]
+    return point, up, right
+
+
+def first_axis(rings: Rings, marks: Callable[[np.ndarray], Marks]) -> np.ndarray:
+    """Return the ring centres (n, 3) by dead reckoning from the first ring: in a straight pipe they lie on its axis."""
+    point, up, right = reckoned(marks, rings.distance, rings.lever)
+    return point + right * rings.parameters[:, :1] + up * rings.parameters[:, 1:2]
 
 
 def heading_of(axis: np.ndarray, distance: np.ndarray, ties: Ties) -> float | None:
@@ -34,18 +63,20 @@ def heading_of(axis: np.ndarray, distance: np.ndarray, ties: Ties) -> float | No
     return float(np.arctan2(chord[0], chord[1]) - np.arctan2(way[0], way[1]))
 
 
-def first_state(distance: np.ndarray, rings: Rings, marks: Marks, at_knots: Marks, origin: np.ndarray) -> State:
+def first_state(
+    distance: np.ndarray, rings: Rings, marks: Callable[[np.ndarray], Marks], axis: np.ndarray, origin: np.ndarray
+) -> State:
     """Return the state from which the iteration starts.
 
     Args:
         distance: Knots [m] (k,).
         rings: The rings.
-        marks: The track at the rings.
-        at_knots: The track at the knots.
+        marks: The track at odometer readings.
+        axis: Ring centres by dead reckoning (n, 3).
         origin: What is added to dead reckoning so that it lies in the working frame [m] (3,).
     """
     seen = rings.seen
-    axis = first_axis(rings, marks)[seen] + origin
+    axis = axis[seen] + origin
     where = rings.distance[seen]
     knots = np.zeros((len(distance), BLOCK))
     smooth = _local_mean(axis, where, distance, _SPAN)
@@ -54,7 +85,7 @@ def first_state(distance: np.ndarray, rings: Rings, marks: Marks, at_knots: Mark
     grade = np.arctan2(slope[:, 2], np.hypot(slope[:, 0], slope[:, 1]))
     knots[:-1, AXIS] = np.diff(smooth, axis=0)
     knots[:, DIRECTION] = np.stack([heading, grade], axis=1)
-    sensor = at_knots.reach @ reach_weights(np.zeros(SCALARS), rings.lever) + origin
+    sensor = reckoned(marks, distance, rings.lever)[0] + origin
     _, y, z = pipe_frame(heading, grade)
     knots[:, OFFSET] = np.stack([dot(sensor - smooth, y), dot(sensor - smooth, z)], axis=1)
     knots[:, SECTION] = np.median(rings.parameters[seen, 2:], axis=0)

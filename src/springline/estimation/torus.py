@@ -12,9 +12,9 @@ import numpy as np
 
 from ..geometry.fitting import fit_ellipses_to_ranges
 from ..geometry.robot import frame
-from .factors.rings import WINDOW
 from .factors.sensor import Places
 from .states import CLOCK, DIRECTION, SECTION, State, place
+from .windows import MOST_RINGS
 
 if TYPE_CHECKING:
     from .problem import Problem
@@ -37,8 +37,8 @@ def bend_terms(problem: Problem, state: State) -> np.ndarray:
     bent = np.flatnonzero(np.hypot(*curvature[interval].T) * (_STEEPEST * radius) ** 2 > 2.0 * _LEAST)
     if not bent.size:
         return out
-    for first in range(0, len(bent), WINDOW):
-        rows = bent[first : first + WINDOW]
+    for first in range(0, len(bent), MOST_RINGS):
+        rows = bent[first : first + MOST_RINGS]
         places = problem.places(problem.rings.distance[rows], float(state.scalars[CLOCK]))
         out[rows] = _added(places, state, curvature)
     return out

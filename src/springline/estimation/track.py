@@ -9,8 +9,8 @@ from __future__ import annotations
 from dataclasses import dataclass, fields
 
 import numpy as np
-from numba import njit
 
+from .attitude import Attitude
 from .data import Inertial, Rings
 from .rotations import matrix
 from .standstill import still_samples
@@ -20,6 +20,7 @@ REACH = 7
 _TURN = 0.02
 _SPEED = 0.25
 _GAP = 3.0
+_STRICTLY = 1e-9
 _PART = 2000
 """Intervals whose samples are held at once."""
 
@@ -86,14 +87,12 @@ class Track:
         self._gap = steps > _GAP * usual
         self.bias_time = float(self.still.sum() * usual)
         self.bias = inertial.gyro[self.still].mean(axis=0) if self.bias_time else np.zeros(3)
-        rate = np.where(self.still[:, None], 0.0, inertial.gyro - self.bias)
-        self._typical = float(np.mean(rate**2))
-        self._rate = 0.5 * (rate[1:] + rate[:-1])
-        self._axes = _integrate(self._level(), self._rate * steps[:, None])
+        self._attitudes = Attitude(inertial, self.still, self.bias, self._level())
         self._moves = ~(self.still[1:] & self.still[:-1])
         self._active = _sum(steps * self._moves)
         # Standstills last no time of moving, but a place must be found in it.
-        self._strictly = self._active + 1e-9 * np.arange(len(self._active))
+        self._strictly = self._active + _STRICTLY * np.arange(len(self._active))
+        self._typical = self._mean_square() if self._gap.any() else 0.0
 
     def _level(self) -> np.ndarray:
         """Return the robot's axes at the first sample, level by the accelerometer's first second, heading north."""
@@ -107,9 +106,14 @@ class Track:
         # Rows east, north, up on the robot's axes: forward points north, and east is to its right.
         return np.stack([np.cross(forward, up), forward, up])
 
+    def _mean_square(self) -> float:
+        """Return the usual square of a rate [rad2/s2], which stands for what a gap hides."""
+        rate = np.where(self.still[:, None], 0.0, self._log.gyro - self.bias)
+        return float(np.mean(rate**2))
+
     def turned(self, heading: float) -> None:
         """Turn the whole track clockwise by `heading` [rad]."""
-        self._axes = matrix(np.array([0.0, 0.0, -heading])) @ self._axes
+        self._attitudes.turned(heading)
 
     def at(self, distance: np.ndarray, clock: float) -> Marks:
         """Return the track at odometer readings (n,) [m], the inertial clock showing `clock` seconds too much."""
@@ -124,7 +128,7 @@ class Track:
 
     def _felt(self, time: np.ndarray) -> Felt:
         rows = self._rows(time)
-        log, axes = self._log.time[rows], self._axes[rows]
+        log, axes = self._log.time[rows], self._attitudes.at(rows)
         within = slice(rows.start, rows.stop - 1)
         steps, moves = np.diff(log), self._moves[within]
         both = 0.5 * (axes[1:] + axes[:-1]) * steps[:, None, None]
@@ -153,19 +157,22 @@ class Track:
         time = self._when(distance, clock)
         rows = self._rows(time)
         counted = _extended(self._active[rows], self._motion(self._rings.time + clock), self._rings.distance)
-        mean = self._axes[rows][1:] + self._axes[rows][:-1]
-        cumulated = _sum(0.5 * mean * np.diff(counted)[:, None, None])
+        sampled = self._attitudes.at(rows)
+        cumulated = _sum(0.5 * (sampled[1:] + sampled[:-1]) * np.diff(counted)[:, None, None])
         axes, row = self._attitude(time)
         start = row - rows.start
-        reach = cumulated[start] + 0.5 * (self._axes[row] + axes) * (distance - counted[start])[:, None, None]
+        reach = cumulated[start] + 0.5 * (sampled[start] + axes) * (distance - counted[start])[:, None, None]
         ahead, behind = (self._attitude(self._when(distance + step, clock))[0][..., 0] for step in (_TURN, -_TURN))
         turning = (ahead - behind) / (2.0 * _TURN)
         return axes, np.concatenate([reach, axes, turning[..., None]], axis=2)
 
     def _attitude(self, time: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        row = np.clip(np.searchsorted(self._log.time, time, side="right") - 1, 0, len(self._rate) - 1)
+        row = np.clip(np.searchsorted(self._log.time, time, side="right") - 1, 0, len(self._log.time) - 2)
         since = np.clip(time - self._log.time[row], 0.0, None)
-        return self._axes[row] @ matrix(self._rate[row] * since[:, None]), row
+        rows = slice(int(row.min()), int(row.max()) + 2)
+        before = row - rows.start
+        axes, rate = self._attitudes.at(rows), self._attitudes.rates(rows)
+        return axes[before] @ matrix(rate[before] * since[:, None]), row
 
     def _distance(self, time: np.ndarray, clock: float) -> np.ndarray:
         """Return the odometer reading at inertial times; standstills do not move it."""
@@ -200,26 +207,3 @@ def _extended(x: np.ndarray, at: np.ndarray, values: np.ndarray) -> np.ndarray:
     first = (values[span] - values[0]) / (at[span] - at[0])
     last = (values[-1] - values[-1 - span]) / (at[-1] - at[-1 - span])
     return inside + first * np.minimum(x - at[0], 0.0) + last * np.maximum(x - at[-1], 0.0)
-
-
-@njit(cache=True)
-def _integrate(first, turn):
-    """Return attitudes (m, 3, 3), robot axes in columns, turned step by step by rotation vectors in robot axes."""
-    out = np.empty((len(turn) + 1, 3, 3))
-    out[0] = first
-    for k in range(len(turn)):
-        x, y, z = turn[k]
-        square = x * x + y * y + z * z
-        angle = np.sqrt(square)
-        if angle > 1e-8:
-            a, b = np.sin(angle) / angle, (1.0 - np.cos(angle)) / square
-        else:
-            a, b = 1.0, 0.5
-        for i in range(3):
-            px, py, pz = out[k, i, 0], out[k, i, 1], out[k, i, 2]
-            # Row p of the attitude times the step's matrix I + a [w]x + b [w]x^2, written out.
-            d = px * x + py * y + pz * z
-            out[k + 1, i, 0] = px + a * (py * z - pz * y) + b * (d * x - square * px)
-            out[k + 1, i, 1] = py + a * (pz * x - px * z) + b * (d * y - square * py)
-            out[k + 1, i, 2] = pz + a * (px * y - py * x) + b * (d * z - square * pz)
-    return out

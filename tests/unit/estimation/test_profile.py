@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
+from springline.estimation.covariance import Covariance
 from springline.estimation.profile import find_sags, joint_angles
-from springline.estimation.solver import Factored
 from springline.estimation.states import AXIS, BLOCK, DIRECTION, SCALARS, SECTION
 
 STEP, COUNT = 0.05, 401
@@ -24,9 +24,7 @@ def knots_of(elevation, heading=None):
 
 def certain_to(sigma):
     """Return a covariance in which every state errs by itself."""
-    return Factored(
-        np.zeros((COUNT, BLOCK)),
-        np.zeros(SCALARS),
+    return Covariance.of(
         np.tile(sigma**2 * np.eye(BLOCK), (COUNT, 1, 1)),
         np.zeros((COUNT - 1, BLOCK, BLOCK)),
         np.zeros((COUNT, BLOCK, SCALARS)),

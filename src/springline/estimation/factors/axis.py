@@ -14,7 +14,7 @@ _SLACK = 1e-5
 COLUMNS = local_columns(AXIS, DIRECTION)
 
 
-def axis(intervals: int, step: float, kink: float, tails: float, *, straight: bool = False) -> Factor:
+def axis(intervals: np.ndarray, step: float, kink: float, tails: float, *, straight: bool = False) -> Factor:
     """Return the factor that joins the axis from knot to knot.
 
     Direction walks at random by `kink` [rad per square root of m]; the point follows the mean direction, with the part
@@ -22,7 +22,7 @@ def axis(intervals: int, step: float, kink: float, tails: float, *, straight: bo
     horizontally and vertically apart.
 
     Args:
-        intervals: How many.
+        intervals: Knot at which each begins (n,).
         step: Between knots [m].
         kink: Random walk of the direction, a start; taken from the data from there on.
         tails: Of Student's t.
@@ -41,7 +41,7 @@ def axis(intervals: int, step: float, kink: float, tails: float, *, straight: bo
 
     return Factor(
         "axis",
-        np.arange(intervals),
+        intervals,
         COLUMNS,
         residual,
         (slice(0, 2), slice(2, 4)),

@@ -13,7 +13,7 @@ from ..states import BLOCK, SCALAR_STEPS, SCALARS, STEPS, State
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from ..solver import Factored, Normal
+    from ..solver import Normal
 
 WIDTH = 2 * BLOCK + SCALARS
 """Columns of a factor's derivative: knot k, knot k + 1, scalars."""
@@ -54,10 +54,6 @@ class Factor:
         self.tails = self.tails if len(self.tails) == len(self.groups) else self.tails * len(self.groups)
         self.tuned = self.tuned or (False,) * len(self.groups)
 
-    def windows(self) -> list[Factor]:
-        """Return the factor in parts that are small enough to linearise at once."""
-        return [self]
-
     def linearise(self, state: State) -> Linear:
         """Return residuals, derivatives and weights at a state."""
         before, after = state.knots[self.interval], state.knots[self.interval + 1]
@@ -89,7 +85,7 @@ class Linear:
     def add(self, normal: Normal) -> None:
         """Add to the normal equations."""
         _add(
-            self.factor.interval,
+            self.factor.interval - normal.first,
             self.factor.columns,
             self.residual,
             self.slopes,
@@ -102,29 +98,27 @@ class Linear:
             normal.right_corner,
         )
 
-    def after(self, found: Factored) -> np.ndarray:
-        """Return the residuals (n, r) after the step that was found, were the equations linear."""
-        return _after(self.factor.interval, self.factor.columns, self.residual, self.slopes, found.knots, found.scalars)
+    def after(self, knots: np.ndarray, scalars: np.ndarray, first: int = 0) -> np.ndarray:
+        """Return the residuals (n, r) after a step of the knots from `first` on and of the scalars, were all linear."""
+        factor = self.factor
+        return _after(factor.interval - first, factor.columns, self.residual, self.slopes, knots, scalars)
 
-    def balance(self, found: Factored, residual: np.ndarray) -> np.ndarray:
+    def balance(self, residual: np.ndarray, blocks: tuple[np.ndarray, ...], first: int = 0) -> np.ndarray:
         """Return by group (g, 2): weighted squares that are left over, and how many residuals are free.
 
-        These are the residuals less what the estimate itself explains; a noise is right when the two are equal.
+        These are the residuals less what the estimate itself explains; a noise is right when the two are equal. NaN
+        where it is not taken from the data.
+
+        Args:
+            residual: After the step (n, r).
+            blocks: Covariance of each knot, with the next, with the scalars, and of the scalars.
+            first: Number of the first of these knots.
         """
-        out = np.zeros((len(self.factor.groups), 2))
-        if not any(self.factor.tuned):
-            return out
-        used = _used(
-            self.factor.interval,
-            self.factor.columns,
-            self.slopes,
-            self.weight,
-            found.diagonal,
-            found.beside,
-            found.border,
-            found.corner,
-        )
-        for k, rows in enumerate(self.factor.groups):
+        out = np.full((len(self.factor.groups), 2), np.nan)
+        used = _used(self.factor.interval - first, self.factor.columns, self.slopes, self.weight, *blocks)
+        for k, (rows, tuned) in enumerate(zip(self.factor.groups, self.factor.tuned, strict=True)):
+            if not tuned:
+                continue
             weight = self.weight[:, rows]
             out[k] = np.sum(weight * residual[:, rows] ** 2), weight.size - np.sum(used[:, rows])
         return out

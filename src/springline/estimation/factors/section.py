@@ -10,14 +10,14 @@ from .base import Factor, local_columns
 COLUMNS = local_columns(SECTION, TREND)
 
 
-def section(intervals: int, step: float, trend: float, wander: float, tails: float) -> Factor:
+def section(intervals: np.ndarray, step: float, trend: float, wander: float, tails: float) -> Factor:
     """Return the factor that joins sections from knot to knot; perimeter apart from ovality.
 
     The wall of a pipe that is pressed out of round bends and does not stretch, so that its mean radius shrinks by
     (oval_cos^2 + oval_sin^2)/(4 mean_radius); what wanders is the radius of its perimeter.
 
     Args:
-        intervals: How many.
+        intervals: Knot at which each begins (n,).
         step: Between knots [m].
         trend: Random walk of the trend [m per m, per square root of m]; a start, then taken from the data.
         wander: Random walk of the values [m per square root of m], in proportion with `trend`.
@@ -40,7 +40,7 @@ def section(intervals: int, step: float, trend: float, wander: float, tails: flo
 
     return Factor(
         "section",
-        np.arange(intervals),
+        intervals,
         COLUMNS,
         residual,
         (slice(0, 2), slice(2, 4), slice(4, 6)),
