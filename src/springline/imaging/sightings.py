@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 
@@ -77,20 +77,29 @@ def put_together(
     Returns:
         Sightings in order along the pipe.
     """
-    groups: list[list[tuple[int, Mark]]] = []
+    cell = _SHORTEST * radius
+    groups: dict[int, list[list[tuple[int, Mark]]]] = {}
     for frame, mark in sorted(marks, key=lambda one: -one[1].odds):
-        for group in groups:
+        at = math.floor(mark.x / cell)
+        for group in _beside(groups, at):
             if _one_thing(group[0][1], mark, radius) and all(frame != other for other, _ in group):
                 group.append((frame, mark))
                 break
         else:
-            groups.append([(frame, mark)])
-    place = np.asarray(eyes, dtype=float)
-    kept: list[Sighting] = []
-    for one in sorted((_together(group, place, radius, view) for group in groups), key=lambda one: -one.log_odds):
-        if not any(excludes(other, one, radius) for other in kept):
-            kept.append(one)
-    return sorted(kept, key=lambda one: one.x)
+            groups.setdefault(at, []).append([(frame, mark)])
+    place = np.sort(np.asarray(eyes, dtype=float))
+    found = [_together(group, place, radius, view) for there in groups.values() for group in there]
+    kept: dict[int, list[Sighting]] = {}
+    for one in sorted(found, key=lambda one: -one.log_odds):
+        at = math.floor(one.x / cell)
+        if not any(excludes(other, one, radius) for other in _beside(kept, at)):
+            kept.setdefault(at, []).append(one)
+    return sorted((one for there in kept.values() for one in there), key=lambda one: one.x)
+
+
+def _beside(cells: dict[int, list[Any]], at: int) -> list[Any]:
+    """What lies in a cell along the pipe or in one of its neighbours."""
+    return [one for cell in (at - 1, at, at + 1) for one in cells.get(cell, ())]
 
 
 def excludes(kept: Standing, other: Standing, radius: float) -> bool:
@@ -136,9 +145,8 @@ def _together(group: list[tuple[int, Mark]], eyes: np.ndarray, radius: float, vi
             np.log([m.radius for m in marks]), np.array([max(m.radius_sigma / m.radius, 0.01) for m in marks])
         )
         size, size_sigma = math.exp(log_size), math.exp(log_size) * log_sigma
-    ahead = place - eyes
-    in_view = (ahead > view[0] * radius) & (ahead < view[1] * radius)
-    expected = int(in_view.sum())
+    nearest, farthest = np.searchsorted(eyes, [place - view[0] * radius, place - view[1] * radius])
+    expected = int(nearest - farthest)
     shown = sum(view[0] * radius < place - (mark.x - mark.ahead) < view[1] * radius for mark in marks)
     missed = max(expected - shown, 0)
     odds = _log_odds(marks, missed)

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ...errors import InputError
+from .places import is_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -27,8 +28,6 @@ _LATERAL_VIEW = (1.5, 2.8)
 _NEAREST_JOINT = 1.2
 _FINEST = 0.037
 _LEAST_HALF_VIEW, _MOST_HALF_VIEW = 0.3, 1.2
-_ALIKE = 0.5
-_TURNED = 0.45
 _MATCHED = 1.0
 _MISSED = 0.5
 _MOST = 8.0
@@ -146,7 +145,7 @@ class Looking:
                 return
             says = seam_odds(score, expected=True)
         else:
-            alike = [mark for mark in seen.marks if is_of(mark, place, self.radius)]
+            alike = [mark for mark in seen.marks if is_of(place, mark, self.radius)]
             says = _MATCHED + max(mark.odds for mark in alike) if alike else -_MISSED
         if says > 0:
             place.shown.append(at)
@@ -194,16 +193,6 @@ def _views(camera: MountedCamera, radius: float) -> dict[str, tuple[float, float
         "joint": (joint * radius, max(farthest, 1.5 * joint) * radius),
         "lateral": tuple(factor * enters * radius for factor in _LATERAL_VIEW),
     }
-
-
-def is_of(mark: Mark, place: Place, radius: float) -> bool:
-    """Return whether a mark may be of a place."""
-    if mark.kind != place.kind:
-        return False
-    if place.kind == "joint":
-        return abs(mark.x - place.x) <= place.within + 2.0 * mark.x_sigma
-    turn = (mark.bearing - place.bearing + math.pi) % (2.0 * math.pi) - math.pi
-    return abs(mark.x - place.x) < _ALIKE * radius and abs(turn) < _TURNED
 
 
 def _calls(place: Place) -> bool:

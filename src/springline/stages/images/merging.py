@@ -9,6 +9,7 @@ import numpy as np
 import xarray as xr
 
 from ...conventions import GROUPS
+from .places import is_of
 from .unbroken import Unbroken
 from .views import LEVEL_SIGMA, ROLL_SIGMA
 
@@ -18,8 +19,6 @@ if TYPE_CHECKING:
     from .looking import Looking
     from .places import Place
 
-_ALIKE = 0.5
-_TURNED = 0.45
 _AGREES = 3.0
 _LEAST_TURN = math.radians(0.3)
 
@@ -81,7 +80,8 @@ def with_features(
         if place.feature < 0:
             if place.shown and _probable(place.log_odds) >= least and k is not None and alone(place, kept):
                 kept.append(place)
-                rows.append(_row(seen[k], looking, _probable(place.log_odds)))
+                source_of_it = "both" if place.by_rings else "images"
+                rows.append(_row(seen[k], looking, _probable(place.log_odds)) | {"source": source_of_it})
             continue
         if place.looked:
             columns["confidence"][place.feature] = _probable(place.log_odds)
@@ -122,16 +122,9 @@ def features_of_images(looking: Looking, least: float) -> xr.Dataset:
 
 
 def _match(place: Place, seen: list[Sighting], taken: set[int], radius: float) -> int | None:
-    """Return which sighting is of a place."""
-    best, nearest = None, math.inf
-    for k, one in enumerate(seen):
-        off = abs(one.x - place.x)
-        if k in taken or one.kind != place.kind or off >= nearest:
-            continue
-        turn = 0.0 if one.kind == "joint" else (one.bearing - place.bearing + math.pi) % (2.0 * math.pi) - math.pi
-        if off < (place.within + 2.0 * one.x_sigma if one.kind == "joint" else _ALIKE * radius) and abs(turn) < _TURNED:
-            best, nearest = k, off
-    return best
+    """Return which sighting is of a place: the nearest of those that may be."""
+    of_it = [k for k, one in enumerate(seen) if k not in taken and is_of(place, one, radius)]
+    return min(of_it, key=lambda k: abs(seen[k].x - place.x), default=None)
 
 
 def _level(columns: dict[str, np.ndarray], first: np.ndarray, last: np.ndarray, roll: np.ndarray) -> None:

@@ -10,6 +10,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 if TYPE_CHECKING:
+    from ...imaging.sightings import Sighting
+    from ...imaging.wall import Mark
     from ...survey import Survey
 
 KINDS = ("joint", "lateral")
@@ -21,6 +23,8 @@ _REGULAR = 0.15
 _SPACED = 1.0
 _IRREGULAR = -2.0
 _WITHIN = 0.05
+_ALIKE = 0.5
+_TURNED = 0.45
 
 
 @dataclass
@@ -30,10 +34,11 @@ class Place:
     Attributes:
         kind: joint or lateral.
         x: Chainage [m].
-        within: How far off it may be [m].
+        within: How far off a joint may be [m]; of a lateral that is told by `is_of`.
         log_odds: That it is there, by all that has spoken so far.
         bearing: Of a lateral [rad]; NaN for a joint.
         radius: Of a lateral's bore [m]; NaN when it is not known, and for a joint.
+        by_rings: Whether rings propose it, and not the spacing of joints alone.
         feature: Its row in `/features`; -1 without one.
         looked: Frames that were looked at and in which it stood in good view.
         shown: Those of them that show it.
@@ -45,6 +50,7 @@ class Place:
     log_odds: float
     bearing: float = math.nan
     radius: float = math.nan
+    by_rings: bool = True
     feature: int = -1
     looked: list[int] = field(default_factory=list)
     shown: list[int] = field(default_factory=list)
@@ -61,15 +67,13 @@ def places_of(survey: Survey, radius: float) -> list[Place]:
         radius: The pipe's [m].
     """
     found, seen, section = survey.features, survey.candidates, survey.section
-    places = [
-        Place(
-            str(kind), float(x), _within(str(kind), radius), log_odds(float(p)), float(bearing), 0.5 * float(size), row
-        )
-        for row, (kind, x, p, bearing, size) in enumerate(
-            zip(*(found[name].values for name in ("kind", "chainage", "confidence", "bearing", "size")), strict=True)
-        )
-        if str(kind) in KINDS
-    ]
+    columns = [found[name].values for name in ("chainage", "confidence", "bearing", "size")]
+    places = []
+    for row, kind in enumerate(found["kind"].values.astype(str)):
+        if kind in KINDS:
+            x, probability, bearing, size = (float(column[row]) for column in columns)
+            odds = log_odds(probability)
+            places.append(Place(kind, x, _within(kind, radius), odds, bearing, 0.5 * size, feature=row))
     confirmed = [(place.kind, place.x) for place in places]
     distance = seen["distance"].values
     x = np.interp(distance, section["distance"].values, section["chainage"].values)
@@ -80,6 +84,17 @@ def places_of(survey: Survey, radius: float) -> list[Place]:
             bearing, size = (float(seen[name].values[row]) for name in ("bearing", "size"))
             places.append(Place(kind, float(x[row]), _within(kind, radius), odds, bearing, 0.5 * size))
     return sorted(places + spaced_joints(places), key=lambda place: place.x)
+
+
+def is_of(place: Place, one: Mark | Sighting, radius: float) -> bool:
+    """Return whether a mark or a sighting may be of a place, in a pipe of this radius [m]."""
+    if one.kind != place.kind:
+        return False
+    off = abs(one.x - place.x)
+    if place.kind == "joint":
+        return off < place.within + 2.0 * one.x_sigma
+    turn = (one.bearing - place.bearing + math.pi) % (2.0 * math.pi) - math.pi
+    return off < _ALIKE * radius and abs(turn) < _TURNED
 
 
 def log_odds(probability: float) -> float:
@@ -121,7 +136,7 @@ def spaced_joints(places: list[Place]) -> list[Place]:
         if count < 2 or abs(after - before - count * length) > _REGULAR * length:
             continue
         missing += [
-            Place("joint", float(at), _WITHIN * length, _SPACED)
+            Place("joint", float(at), _WITHIN * length, _SPACED, by_rings=False)
             for at in np.linspace(before, after, count + 1)[1:-1]
             if all(p.kind != "joint" or abs(p.x - at) > _WITHIN * length for p in places)
         ]

@@ -40,7 +40,7 @@ def images(survey: Survey, config: Config) -> Survey:
     Source: dissertation 6.4 and 6.5.
     """
     film, radius = filmed(survey), _radius(survey)
-    if film is None or not survey.has("features") or not np.isfinite(radius):
+    if film is None or not film.usable.any() or not survey.has("features") or not np.isfinite(radius):
         return survey
     views = views_of(survey, film.distance, film.cameras)
     places = places_of(survey, radius)
