@@ -14,6 +14,7 @@ from __future__ import annotations
 import math
 import sys
 import time
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -22,6 +23,9 @@ from springline.geometry.lenses import Lens
 from springline.geometry.openings import joint_contour, lateral_contour
 from springline.imaging.decision import METHODS, decide, expected_contour
 from springline.imaging.reprojection import Place, PosePrior
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
 
 RADIUS = 1.0
 WIDE = 384.0
@@ -109,12 +113,14 @@ def judge(
     return decide(seen, matrix, LENS, *radii, method=method, **given).score
 
 
-def study(count: int, seed: int = 0, methods: tuple[str, ...] = METHODS) -> dict[tuple[str, float, str, str], float]:
-    """Area under the ROC curve by error, hidden share, what laterals are told from, and method."""
+Row = dict[tuple[str, str], float]
+
+
+def study(count: int, seed: int = 0, methods: tuple[str, ...] = METHODS) -> Iterator[tuple[str, float, Row]]:
+    """Yield error, hidden share, and the area under the ROC curve by what laterals are told from, and method."""
     rng = np.random.default_rng(seed)
     matrix = camera_matrix([0.0, 0.0, 0.0], [1.0, 0.0, 0.0])
     template = expected_contour(matrix, LENS, RADIUS, RADIUS, ahead=2.0 * RADIUS)
-    table = {}
     for error in ERRORS:
         for hidden in (0.0, 0.3, 0.5):
             scores = {}
@@ -125,21 +131,23 @@ def study(count: int, seed: int = 0, methods: tuple[str, ...] = METHODS) -> dict
                     scores[kind, method] = np.array(
                         [judge(one, ahead, matrix, error, method, template, radii) for one, ahead in contours]
                     )
-            for method in methods:
-                for name, (one, other) in PAIRS.items():
-                    table[error, hidden, name, method] = auc(scores[one, method], scores[other, method])
-    return table
+            row = {
+                (name, method): auc(scores[one, method], scores[other, method])
+                for name, (one, other) in PAIRS.items()
+                for method in methods
+            }
+            yield error, hidden, row
 
 
 def main(count: int = 100, seed: int = 0) -> None:
-    """Print the table as it stands in docs/imaging.md."""
+    """Print the table as it stands in docs/imaging.md, row by row."""
     start = time.process_time()
-    table = study(count, seed)
     print(f"| error | hidden | laterals from | {' | '.join(METHODS)} |")
     print("|---|---|---|" + "---|" * len(METHODS))
-    for error, hidden, other, _ in dict.fromkeys((*key[:3], "") for key in table):
-        row = " | ".join(f"{table[error, hidden, other, method]:.3f}" for method in METHODS)
-        print(f"| {error} | {100 * hidden:.0f} % | {other} | {row} |")
+    for error, hidden, row in study(count, seed):
+        for other in PAIRS:
+            text = " | ".join(f"{row[other, method]:.3f}" for method in METHODS)
+            print(f"| {error} | {100 * hidden:.0f} % | {other} | {text} |", flush=True)
     print(f"\n{count} contours of each kind in each row, {time.process_time() - start:.0f} s of processor time")
 
 

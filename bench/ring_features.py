@@ -1,9 +1,10 @@
 """Features seen in rings against simulated truth: how many are found, how well they are sized, and false alarms.
 
-Three kinds of pipe, each drawn anew for every seed. `joints`: rings every millimetre over open, stepped and kinked
-joints, dents and deposits, in 225 to 600 mm pipes of uneven wall. `laterals`: a house connection every metre between
-joints, at 2, 5 or 10 mm, over water, with dropout, strays and deposits as decoys. `nothing`: deformed pipes of modes 1
-to 5 with rough wall and water, and no mark at all.
+`python -m bench.ring_features SURVEYS [FIRST SEED]`. Four kinds of pipe, each drawn anew for every seed. `joints`:
+rings every millimetre over open, stepped and kinked joints, dents and deposits, in 225 to 600 mm pipes of uneven wall.
+`laterals`: a house connection every metre between joints, at 2, 5 or 10 mm, over water, with dropout, strays and
+deposits as decoys. `coarse`: narrow joints, 0 to 6 mm, among rings 10 to 15 mm apart, by robots on a prescribed path
+and on the wall itself. `nothing`: deformed pipes of modes 1 to 5 with rough wall and water, and no mark at all.
 """
 
 from __future__ import annotations
@@ -79,6 +80,29 @@ def laterals(seed: int) -> dict[str, Any]:
     if rng.random() < 0.6:
         pipe["water"] = [{"depth": rng.uniform(0.03, 0.1) * bore}]
     return {"name": "laterals", "pipe": pipe, "robot": _robot(), "rings": _scanner(rng, [0.002, 0.005, 0.01])}
+
+
+def coarse(seed: int) -> dict[str, Any]:
+    """Return a pipe with ten joints of 0 to 6 mm, stepped and kinked, at 10 to 15 mm ring spacing."""
+    rng = np.random.default_rng(seed)
+    bore = float(rng.choice([0.225, 0.3, 0.4, 0.6]))
+    listed = []
+    for k in range(10):
+        dy, dz, up, right = rng.normal(0.0, [0.003, 0.003, 0.4, 0.4]).tolist()
+        one = {"chainage": 0.9 + k + rng.uniform(0.0, 0.1), "gap": rng.uniform(0.0, 0.006)}
+        listed.append(one | {"offset_y": dy, "offset_z": dz, "kink_up_deg": up, "kink_right_deg": right})
+    pipe = {"diameter": bore, "wall_thickness": rng.uniform(0.006, 0.02), "seed": seed, "joint": listed}
+    pipe |= {"run": [{"kind": "straight", "length": 11.0}], "roughness": {"rms": rng.uniform(0.0, 0.0003)}}
+    pipe["section"] = [{"shape": "mode", "mode": 1, "s1": rng.uniform(0.96, 1.0)}]
+    robot = {"length": max(0.3, bore), "wheelbase": max(0.25, bore), "half_span": bore / 6, "wheel_radius": 0.025}
+    robot |= {"path": ("prescribed", "kinematic")[seed % 2], "start": 0.35, "end": 10.65}
+    if robot["path"] == "prescribed":
+        sway = bore / 0.3 * rng.uniform(0.0, [0.01, 0.005])
+        robot |= {"offset_z": {"amplitude": sway[0], "period": 2.3}, "offset_y": {"amplitude": sway[1], "period": 3.1}}
+    robot |= {"pitch_deg": {"amplitude": rng.uniform(0.0, 0.6), "period": 1.7}, "yaw_deg": rng.uniform(-1.0, 1.0)}
+    rings = {"spacing": rng.uniform(0.010, 0.015), "noise": rng.uniform(0.0003, 0.001)}
+    rings |= {"dropout": rng.uniform(0.0, 0.05), "outliers": rng.uniform(0.0, 0.01)}
+    return {"name": "coarse", "pipe": pipe, "robot": robot, "rings": rings}
 
 
 def nothing(seed: int) -> dict[str, Any]:
@@ -180,10 +204,11 @@ _ASKED = (
 
 def main() -> None:
     """Print recall, false alarms, root mean square errors and how often 95 % intervals hold."""
-    seeds = int(sys.argv[2]) if len(sys.argv) > 2 and sys.argv[2].isdigit() else 20
-    for make in (joints, laterals, nothing):
+    words = [int(word) for word in sys.argv[1:] if word.isdigit()]
+    seeds, first = (*words, 20, 0)[:2] if len(words) != 1 else (words[0], 0)
+    for make in (joints, laterals, coarse, nothing):
         start = time.process_time()
-        rows, false = study(make, range(seeds))
+        rows, false = study(make, range(first, first + seeds))
         print(f"{make.__name__}: {seeds} surveys, {time.process_time() - start:.0f} s; false: {len(false)}")
         for one in false:
             print(f"   false {one['kind']} at {one['chainage']:.3f} m, depth {1e3 * one['depth']:.1f} mm")
@@ -195,9 +220,8 @@ def main() -> None:
                 error, sigma = errors(rows, kinds, name, true)
                 held = np.mean(np.abs(error) < 1.96 * sigma)
                 root, bias = np.sqrt(np.mean(error**2)), error.mean()
-                print(
-                    f"    {name:10s} rms {1e3 * root:7.2f}e-3  mean {1e3 * bias:6.2f}e-3  95 % hold {100 * held:.0f} %"
-                )
+                text = f"    {name:10s} rms {1e3 * root:7.2f}e-3  mean {1e3 * bias:6.2f}e-3"
+                print(f"{text}  95 % hold {100 * held:.1f} % of {len(error)}", flush=True)
 
 
 if __name__ == "__main__":

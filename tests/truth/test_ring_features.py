@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from bench.ring_features import errors, joints, laterals, nothing, recall, study
+from bench.ring_features import coarse, errors, joints, laterals, nothing, recall, study
 
 BUMPS = ("dent", "deposit")
 
@@ -15,6 +15,11 @@ def near_joints():
 @pytest.fixture(scope="module")
 def along_laterals():
     return study(laterals, range(500, 502))
+
+
+@pytest.fixture(scope="module")
+def among_coarse_rings():
+    return study(coarse, range(3000, 3006))
 
 
 def rms(error):
@@ -64,3 +69,26 @@ def test_laterals_among_joints_deposits_and_water(along_laterals):
 def test_deformed_rough_wet_pipes_show_nothing():
     _, false = study(nothing, range(600, 603))
     assert [(one["kind"], round(float(one["chainage"]), 2)) for one in false] == []
+
+
+def test_narrow_joints_among_coarse_rings_hold_the_truth(among_coarse_rings):
+    rows, _ = among_coarse_rings
+    told = ("step_y", "offset_y"), ("step_z", "offset_z"), ("kink_up", "kink_up"), ("kink_right", "kink_right")
+    for sized in (True, False):
+        part = [row for row in rows if row["found"] is not None and np.isfinite(row["found"]["size"]) == sized]
+        assert len(part) >= 15
+        pairs = [errors(part, ("joint",), *names) for names in told]
+        held = np.concatenate([np.abs(error) < 1.96 * sigma for error, sigma in pairs])
+        assert 0.88 <= held.mean() <= 1.0
+        # no confident wrong number, and none so doubtful that it says nothing
+        assert max(np.max(np.abs(error) / sigma) for error, sigma in pairs) < 5.0
+        assert np.median(pairs[0][1]) < 0.5e-3
+        assert np.median(pairs[2][1]) < np.radians(1.0)
+
+
+def test_gaps_of_joints_that_cut_rings_hold_the_truth(among_coarse_rings):
+    rows, _ = among_coarse_rings
+    error, sigma = errors(rows, ("joint",), "size", "size")
+    assert len(error) >= 20
+    assert np.mean(np.abs(error) < 1.96 * sigma) >= 0.85
+    assert rms(error) < 4e-3

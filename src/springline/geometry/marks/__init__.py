@@ -3,7 +3,7 @@
 from .bores import Bore, fit_bore
 from .bumps import Bump, size_bump
 from .find import Rings, Seen, find_bumps, find_grooves, find_openings, find_steps
-from .joints import Gap, SetOff, size_gap, size_step, step_scatter
+from .joints import Gap, SetOff, size_gap, size_step
 from .reference import centre_rings, steady_shape, tracked_centres, wall_deviation
 from .wallmap import WallMap, add_rings, at_readings, empty_map, lasting_shape
 
@@ -29,7 +29,6 @@ __all__ = [
     "size_gap",
     "size_step",
     "steady_shape",
-    "step_scatter",
     "tracked_centres",
     "wall_deviation",
 ]

@@ -26,11 +26,21 @@ _LEVEL = 0.1
 
 
 class Edge(NamedTuple):
-    """An edge: mean (c, a, b) [m], its covariance [m2], and how many bearings it stands on."""
+    """An edge.
+
+    Attributes:
+        plane: (3,) mean of c, a, b [m].
+        covariance: (3, 3) of them [m2].
+        bearings: How many it stands on.
+        floor: Part of the variance of c that stays however many rings there are [m2].
+        draws: Values of c, each as likely as the others, without the floor; None where it was fitted by least squares.
+    """
 
     plane: NDArray[np.float64]
     covariance: NDArray[np.float64]
     bearings: int
+    floor: float = 0.0
+    draws: NDArray[np.float64] | None = None
 
 
 def edge_between(before: ArrayLike, after: ArrayLike, bearings: ArrayLike) -> Edge | None:
@@ -78,7 +88,7 @@ def edge_between(before: ArrayLike, after: ArrayLike, bearings: ArrayLike) -> Ed
             level = np.zeros_like(draws)
             level[:, 0] = np.linspace(bottom, top, len(draws))
             draws = np.concatenate([draws, level])
-        return Edge(draws.mean(axis=0), np.cov(draws.T) + floor, len(low))
+        return Edge(draws.mean(axis=0), np.cov(draws.T) + floor, len(low), float(floor[0, 0]), draws[:, 0])
     inverse = np.linalg.inv(rows.T @ rows)
     # Readings of one ring round alike: part of that error stays however many they are.
     rounding = np.diag([width**2 / 12.0 / (1.0 + (scatter / width) ** 2 * len(low)), 0.0, 0.0])

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ...geometry.marks import fit_bore, size_bump, size_gap, size_step, step_scatter
+from ...geometry.marks import fit_bore, size_bump, size_gap, size_step
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -46,9 +46,7 @@ class Sizer:
         names = ("kind", "bearing", "size", "depth", "probability", "first_ring", "last_ring")
         columns = [found[name].values for name in names]
         self.seen = [dict(zip(names, row, strict=True)) for row in zip(*(c[which] for c in columns), strict=True)]
-        self.reach = min(_STEP_WINDOW * wall.diameter, _STEP_MOST)
-        self.count = int(np.clip(round(self.reach / wall.spacing), 6, 60))
-        self.scatter = step_scatter(wall.chainage, wall.steps, window=self.count)
+        self.count = int(np.clip(round(min(_STEP_WINDOW * wall.diameter, _STEP_MOST) / wall.spacing), 6, 60))
         self.ring_noise = np.full(3, float(np.median(wall.noise)) * np.sqrt(2.0 / len(wall.bearings)))
 
     def rows(self) -> Iterator[Row]:
@@ -97,28 +95,22 @@ class Sizer:
         gap = None
         if np.isfinite(one["depth"]):
             before, after = (wall.deviation(rows, self._carried(rows, first, last, side)) for side in (-1, 1))
-            gap = size_gap(before, after, x[rows], wall.bearings, noise=noise)
+            gap = size_gap(before, after, x[rows], wall.bearings, noise=noise, radius=0.5 * wall.diameter)
             if gap and gap.gap_sigma > _BLUR * wall.spacing + 0.2 * gap.gap:
                 gap = None
-        at = gap.middle if gap else 0.5 * (x[first] + x[last])
-        off = size_step(
-            x,
-            wall.steps,
-            at,
-            reach=gap.reach if gap else 0.5 * (x[last] - x[first]),
-            window=self.reach,
-            scatter=self.scatter,
-            noise=self.ring_noise,
-        )
+        half = 0.5 * max(x[last] - x[first], 0.0) + wall.spacing
+        at, at_sigma = (gap.middle, gap.middle_sigma) if gap else (0.5 * (x[first] + x[last]), half / np.sqrt(3.0))
+        # A tilted ring beside a joint in which none stands may be cut by it.
+        reach = gap.reach if gap else 0.5 * (x[last] - x[first]) + wall.tilt_reach((first + last) // 2)
+        off = size_step(x, wall.steps, at, at_sigma=at_sigma, reach=reach, noise=self.ring_noise)
         # Rings of a cloud share an axis: what one of them is off it tells of the camera, not of the pipe.
         cloud = wall.rings.attrs.get("distance_source") == "axis"
         if off and (cloud or not (off.step_sigma[:2] < _UNSURE * wall.diameter).all()):
             off = None
         if gap is None and off is None:
             return None
-        half = 0.5 * max(x[last] - x[first], 0.0) + wall.spacing
         row: Row = {"kind": "joint", "confidence": one["probability"]}
-        row |= self._place(at, gap.middle_sigma if gap else half / np.sqrt(3.0), np.nan)
+        row |= self._place(at, at_sigma, np.nan)
         if gap and not cloud:
             # Oblique rays blur a gap along a cloud.
             row |= {"size": gap.gap, "size_sigma": gap.gap_sigma, "length": gap.gap, "length_sigma": gap.gap_sigma}

@@ -177,6 +177,11 @@ class Wall:
         pitch, yaw = np.tan(self.pitch[rows])[:, None], np.tan(self.yaw[rows])[:, None]
         return -self.radius(rows, bearing) * (np.sin(bearing) * pitch + np.cos(bearing) * yaw)
 
+    def tilt_reach(self, ring: int) -> float:
+        """Return how far before or behind its chainage a ring may meet the wall [m], by its tilt and that's sigma."""
+        tilt = np.hypot(self.pitch[ring], self.yaw[ring]) + self.tilt_sigma[ring]
+        return float(0.5 * self.diameter * np.tan(tilt))
+
     def unrolled(self, rows: slice, bearing: np.ndarray, values: np.ndarray) -> np.ndarray:
         """Return values (ring, bearing) of the sensor's bearings at bearings of the pipe: those of the nearest ray."""
         z0, y0, m = -self.sections[rows, 0:1], -self.sections[rows, 1:2], self.sections[rows, 2:3]
