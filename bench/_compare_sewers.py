@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -18,6 +18,10 @@ FOLDER = Path(__file__).resolve().parents[1] / ".." / "shared" / "data" / "pacp-
 FOOT = 0.3048
 REACH, HOUR = 4.0 * FOOT, 1.01
 TAP = KINDS.index("lateral")
+MISLABELLED = (
+    "30/972", "426/3408", "427/3409", "263/1449", "265/1451", "1374/1375", "3485/3488", "3485/3489",
+)  # fmt: skip
+"""Pairs whose recorded direction, or pipe, contradicts their own taps."""
 
 
 @dataclass(frozen=True)
@@ -41,6 +45,11 @@ def repeats(least_taps: int = 0, every: int = 1) -> Iterator[Repeat]:
         numbers = str(row.inspection_id_1), str(row.inspection_id_2)
         a, b = (pacp_features(tables[n], n, sort=True) for n in numbers)
         yield Repeat(a, b, row.direction == "reversed")
+
+
+def label(one: Repeat) -> str:
+    """Return the numbers of both inspections."""
+    return "/".join(f.name.removeprefix("inspection ") for f in (one.a, one.b))
 
 
 def taps(features: FeatureList) -> int:
@@ -80,6 +89,26 @@ def left_out(one: Repeat, found: Match, options: MatchOptions) -> np.ndarray:
         scaled = one.b.extent[0] + one.b.length * (1.0 - share if found.reversed else share)
         place = float(again.drift.at(one.a.chainage[i])[0])
         rows.append((found.pairs.probability[k], place - one.b.chainage[j], scaled - one.b.chainage[j], hours[k]))
+    return np.array(rows).reshape(-1, 4)
+
+
+def thinned(one: Repeat, options: MatchOptions, rng: np.random.Generator) -> np.ndarray:
+    """Return (k, 4) per doubtful pair of taps, when a fifth of the taps of both are hidden: its place in A [m], its
+    probability, its distance [m] to where the match without it puts it, and its difference of clock [h]."""
+    a, b = (f.take((f.kind != TAP) | (rng.random(len(f)) > 0.2)) for f in (one.a, one.b))
+    if min(len(a), len(b)) < 2:
+        return np.empty((0, 4))
+    found = match(a, b, options)
+    hours = hours_apart(a, b, found)
+    rows = []
+    # The match without the pair only has to place it: that both saw one pipe was shown with it.
+    bold = replace(options, accept_same=1e-9)
+    for k in np.flatnonzero((found.pairs.probability >= 0.8) & (found.pairs.probability < 0.98)):
+        i, j = found.pairs.index_a[k], found.pairs.index_b[k]
+        if a.kind[i] == TAP and min(len(a), len(b)) > 2:
+            again = match(*(f.take(np.arange(len(f)) != n) for f, n in ((a, i), (b, j))), bold)
+            off = float(again.drift.at(a.chainage[i])[0]) - b.chainage[j]
+            rows.append((a.chainage[i], found.pairs.probability[k], off, hours[k]))
     return np.array(rows).reshape(-1, 4)
 
 

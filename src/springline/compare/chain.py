@@ -235,3 +235,22 @@ def posterior(log_ratio, gap, walk, slip_rate, slip_scale, step, start):
         for k in range(cells):
             alpha[i, k] /= total
     return alpha, log_evidence
+
+
+def likeliest(gamma: np.ndarray, drift: np.ndarray, half: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return mean (n,) [m], variance (n,) [m2] and probability (n,) of the likeliest place.
+
+    Args:
+        gamma: (n, cells) posterior of the drift.
+        drift: (cells,) drift of each cell [m].
+        half: How far a place reaches from its middle to both sides [m].
+    """
+    width = max(1, round(half / (drift[1] - drift[0])))
+    sums = np.concatenate((np.zeros((len(gamma), 1)), np.cumsum(gamma, axis=1, dtype=np.float64)), axis=1)
+    cells = np.arange(gamma.shape[1])
+    low, high = np.maximum(cells - width, 0), np.minimum(cells + width + 1, gamma.shape[1])
+    top = np.argmax(sums[:, high] - sums[:, low], axis=1)
+    part = np.where(np.abs(cells[None, :] - top[:, None]) <= width, gamma, 0.0).astype(np.float64)
+    mass = part.sum(axis=1)
+    mean = part @ drift / mass
+    return mean, (part * (drift[None, :] - mean[:, None]) ** 2).sum(axis=1) / mass, np.minimum(mass, 1.0)

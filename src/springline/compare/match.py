@@ -22,7 +22,6 @@ if TYPE_CHECKING:
 
 _FEWEST = 2
 _HOPELESS = 60.0
-_ONE_PLACE = 0.95
 _TELLING = 0.88
 
 
@@ -161,23 +160,4 @@ def _placed(
     residual = sign * placed.residual
     pairs = Pairs(placed.index_a, index_b, placed.probability, residual)
     drift = Drift(placed.chainage_a, y, placed.sigma, placed.mode_probability, placed.spread)
-    return pairs, drift, _flags(drift, b, options)
-
-
-def _flags(drift: Drift, b: FeatureList, options: MatchOptions) -> tuple[Span, ...]:
-    """Return the stretches of A in which the drift is not to be relied on, half-way to the next good node."""
-    margin = options.sigma_limit
-    y = drift.chainage_b
-    why = np.full(len(y), "", dtype=object)
-    why[drift.sigma > options.sigma_limit] = f"one-sigma above {options.sigma_limit:g} m"
-    why[drift.mode_probability < _ONE_PLACE] = "more than one place is likely"
-    why[(y < b.extent[0] - margin) | (y > b.extent[1] + margin)] = "not inspected by both"
-    x = drift.chainage_a
-    edges = np.concatenate((x[:1], 0.5 * (x[1:] + x[:-1]), x[-1:]))
-    spans: list[Span] = []
-    for i in np.flatnonzero(why != ""):
-        if spans and spans[-1].reason == why[i] and spans[-1].end == edges[i]:
-            spans[-1] = Span(spans[-1].start, float(edges[i + 1]), why[i])
-        else:
-            spans.append(Span(float(edges[i]), float(edges[i + 1]), why[i]))
-    return tuple(spans)
+    return pairs, drift, drift.doubtful(b.extent, options.sigma_limit, margin=options.sigma_limit)

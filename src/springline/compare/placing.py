@@ -7,8 +7,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from .chain import likeliest
+
 if TYPE_CHECKING:
-    from .fit import Fit, Passes, Sense
+    from .fit import Fit, Sense
 
 _LEAST_WEIGHT = 0.01
 _MOST_SCALES = 12
@@ -45,7 +47,8 @@ def place(sense: Sense, fit: Fit) -> Placed:
     for scale, weight in zip(fit.scales[order], weights, strict=True):
         passes = sense.passes(replace(fit.state, scale=float(scale)))
         shares += weight * passes.shares
-        modes.append(_mode(passes, half))
+        mean, variance, mass = likeliest(passes.gamma, passes.grid.drift, half)
+        modes.append((passes.u + mean, variance, mass))
     y, sigma, probability = _mix(np.array(modes), weights, half)
     index, index_b, share = _choose(shares, sense.laid.seen, sense.options.accept_pair)
     residual = sense.b.chainage[index_b] - y[index]
@@ -72,22 +75,6 @@ def _half_mode(sense: Sense) -> float:
     """Return how far from its top a place reaches [m]: less than half a joint's length, where there are joints."""
     module = sense.laid.module
     return min(_HALF_MODE, _HALF_MODULE * module) if np.isfinite(module) and module > 0 else _HALF_MODE
-
-
-def _mode(passes: Passes, half: float) -> np.ndarray:
-    """Return (3, n): the place of each feature in B [m], its variance [m2] and the probability of the place."""
-    gamma, drift = passes.gamma, passes.grid.drift
-    width = max(1, round(half / passes.grid.step))
-    sums = np.concatenate((np.zeros((len(gamma), 1)), np.cumsum(gamma, axis=1, dtype=np.float64)), axis=1)
-    cells = np.arange(gamma.shape[1])
-    low, high = np.maximum(cells - width, 0), np.minimum(cells + width + 1, gamma.shape[1])
-    top = np.argmax(sums[:, high] - sums[:, low], axis=1)
-    inside = np.abs(cells[None, :] - top[:, None]) <= width
-    part = np.where(inside, gamma, 0.0).astype(np.float64)
-    mass = part.sum(axis=1)
-    mean = part @ drift / mass
-    variance = (part * (drift[None, :] - mean[:, None]) ** 2).sum(axis=1) / mass
-    return np.array([passes.u + mean, variance, mass])
 
 
 def _mix(modes: np.ndarray, weights: np.ndarray, half: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

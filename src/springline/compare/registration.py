@@ -57,9 +57,5 @@ class Registration:
         return self.refined[i] & self.refined[i + 1] & (x >= nodes[0]) & (x <= nodes[-1])
 
     def reliable(self, chainage: np.ndarray) -> np.ndarray:
-        """Return whether `chainage` in A [m] has a place in B and lies in no flagged stretch."""
-        x = np.asarray(chainage, dtype=np.float64)
-        flagged = np.isnan(self.drift.at(x)[0])
-        for span in self.flagged:
-            flagged |= (x >= span.start) & (x <= span.end)
-        return ~flagged
+        """Return whether `chainage` in A [m] (any shape) has a place in B and lies in no flagged stretch."""
+        return self.drift.clear(chainage, self.flagged)

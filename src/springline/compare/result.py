@@ -6,6 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+ONE_PLACE = 0.95
+"""Probability from which a place is the only one."""
+
 
 @dataclass(frozen=True)
 class Pairs:
@@ -64,6 +67,36 @@ class Drift:
         outside = ~((x >= self.chainage_a[0]) & (x <= self.chainage_a[-1]))
         return np.where(outside, np.nan, y), np.where(outside, np.nan, sigma)
 
+    def clear(self, chainage: np.ndarray, flagged: tuple[Span, ...]) -> np.ndarray:
+        """Return whether `chainage` in A [m] (any shape) has a place in B and lies in none of the stretches."""
+        x = np.asarray(chainage, dtype=np.float64)
+        good = np.isfinite(self.at(x)[0])
+        for span in flagged:
+            good &= ~((x >= span.start) & (x <= span.end))
+        return good
+
+    def doubtful(self, extent_b: tuple[float, float], sigma_limit: float, margin: float = 0.0) -> tuple[Span, ...]:
+        """Return the stretches of A whose place is not to be relied on, half-way to the next good node.
+
+        Args:
+            extent_b: First and last chainage of B [m].
+            sigma_limit: Largest one-sigma that is good [m].
+            margin: How far outside `extent_b` a node may lie [m].
+        """
+        x, y = self.chainage_a, self.chainage_b
+        why = np.full(len(x), "", dtype=object)
+        why[self.sigma > sigma_limit] = f"one-sigma above {sigma_limit:g} m"
+        why[self.mode_probability < ONE_PLACE] = "more than one place is likely"
+        why[(y < extent_b[0] - margin) | (y > extent_b[1] + margin)] = "not inspected by both"
+        edges = np.concatenate((x[:1], 0.5 * (x[1:] + x[:-1]), x[-1:]))
+        spans: list[Span] = []
+        for i in np.flatnonzero(why != ""):
+            start = float(edges[i])
+            if spans and spans[-1].reason == why[i] and spans[-1].end == start:
+                start = spans.pop().start
+            spans.append(Span(start, float(edges[i + 1]), why[i]))
+        return tuple(spans)
+
 
 @dataclass(frozen=True)
 class Span:
@@ -111,8 +144,4 @@ class Match:
 
     def reliable(self, chainage: np.ndarray) -> np.ndarray:
         """Return whether `chainage` in A [m] (any shape) has a place in B and lies in no flagged stretch."""
-        x = np.asarray(chainage, dtype=np.float64)
-        flagged = np.isnan(self.drift.at(x)[0])
-        for span in self.flagged:
-            flagged |= (x >= span.start) & (x <= span.end)
-        return ~flagged
+        return self.drift.clear(chainage, self.flagged)

@@ -40,7 +40,8 @@ def likeness(a: FeatureList, b: FeatureList, options: MatchOptions) -> Likeness:
     base = kinds / density_b[b.kind]
     turn = np.mod(a.bearing[:, None] - b.bearing[None, :] + np.pi, 2 * np.pi) - np.pi
     turn_b = np.mod(b.bearing[:, None] - b.bearing[None, :] + np.pi, 2 * np.pi) - np.pi
-    base *= _ratio(turn, turn_b, b.kind, options.bearing_sigma, options.bearing_outliers, 2 * np.pi)
+    near = np.where(np.abs(turn) > options.bearing_limit, np.inf, turn)
+    base *= _ratio(near, turn_b, b.kind, options.bearing_sigma, options.bearing_outliers, 2 * np.pi)
     with np.errstate(divide="ignore", invalid="ignore"):
         log_a, log_b = np.log(a.size), np.log(b.size)
     grow, grow_b = log_a[:, None] - log_b[None, :], log_b[:, None] - log_b[None, :]
@@ -61,7 +62,7 @@ def _ratio(
     near = np.where(same, _normal(own, np.sqrt(2.0) * sigma), 0.0)
     background = (near.sum(axis=1) + _PRIOR_COUNT / span) / (same.sum(axis=1) + _PRIOR_COUNT)
     ratio = (1.0 - outliers) * _normal(pairs, sigma) / background + outliers
-    return np.where(np.isfinite(pairs), ratio, 1.0)
+    return np.where(np.isnan(pairs), 1.0, ratio)
 
 
 def _normal(x: np.ndarray, sigma: float) -> np.ndarray:
