@@ -18,6 +18,7 @@ from .stages.images import images, texture
 from .stages.liner import liner
 from .stages.metrics import metrics
 from .stages.overrides import corrections, masks
+from .stages.passes import joined
 from .stages.ring_video import ring_video
 from .stages.rings import rings
 from .survey import add_run, validate
@@ -35,6 +36,7 @@ def inspect(
     survey: Survey,
     config: Config | None = None,
     *,
+    back: Survey | None = None,
     checks: Iterable[str] = (),
     progress: Callable[[str, float], None] | None = None,
 ) -> Survey:
@@ -43,6 +45,7 @@ def inspect(
     Args:
         survey: As `springline.read` returns it; results of an earlier run are left aside and made anew.
         config: Settings; the defaults when not given.
+        back: The same pipe driven from its other end; section and centreline are then of both passes.
         checks: Names of acceptance rules to judge; their verdicts stand in the attribute `rules`.
         progress: Called with a stage's name and the share of the chain done, from 0 to 1.
 
@@ -67,10 +70,20 @@ def inspect(
         if progress:
             progress(stage.__name__, done / len(STAGES))
         survey = stage(survey, config)
+        if stage is estimate and back is not None:
+            survey = joined(survey, _estimated(back, config))
     if rules:
         survey = judge(survey, rules)
     if progress:
         progress("done", 1.0)
+    return survey
+
+
+def _estimated(survey: Survey, config: Config) -> Survey:
+    """Return the back pass as far as it is needed."""
+    survey = _measurable(apply_calibration(ring_video(validate(survey.source(), where="the back pass"), config)))
+    for stage in STAGES[: STAGES.index(estimate) + 1]:
+        survey = stage(survey, config)
     return survey
 
 

@@ -64,6 +64,10 @@ def inspect(
     design_line_of: Annotated[
         str | None, typer.Option("--design-line-of", help="axis or invert, where that file does not say it.")
     ] = None,
+    back: Annotated[
+        Path | None,
+        typer.Option("--back", metavar="FILE", help="The same pipe driven from its other end; joined with INPUT."),
+    ] = None,
     units: Annotated[str | None, typer.Option("--units", help="si, or us: inches and feet to read.")] = None,
     input_format: reading.InputFormat = None,
     unit: reading.Unit = None,
@@ -109,9 +113,14 @@ def inspect(
         raise InputError("there is no design line", where="--design-line-of", expected="--design-line FILE with it")
     if design_line is not None:
         surveys = _designed(surveys, design_line, design_line_of)
+    returned = None
+    if back is not None:
+        surveys, returned = _with_back(surveys, back, options, calibration)
     checks = tuple(check or ())
     if len(surveys) == 1:
-        found: Any = inspect_into(next(iter(surveys.values())), output, settings, checks=checks, force=force)
+        found: Any = inspect_into(
+            next(iter(surveys.values())), output, settings, back=returned, checks=checks, force=force
+        )
         results = [found]
     else:
         found = _inspect_each(surveys, output, settings, checks, force=force, keep_going=keep_going)
@@ -135,6 +144,25 @@ def _calibrated(surveys: dict[str, Survey], path: Path) -> dict[str, Survey]:
         key: add_provenance(add_inputs(with_calibration(survey, found), file), calibration=path.name)
         for key, survey in surveys.items()
     }
+
+
+def _with_back(
+    surveys: dict[str, Survey], path: Path, options: ReadOptions, calibration: Path | None
+) -> tuple[dict[str, Survey], Survey]:
+    """Return the surveys, naming the back pass among their inputs, and the back pass."""
+    from ..io.reading import read_one
+    from ..survey import add_inputs, add_provenance, fingerprint
+
+    if len(surveys) > 1:
+        raise InputError(f"it is one back pass for {len(surveys)} scans", where="--back", expected="one scan")
+    if not path.exists():
+        raise InputError("no such file", where=path, mend="check the path given to --back")
+    returned = {"back": read_one(path, options)}
+    if calibration is not None:
+        returned = _calibrated(returned, calibration)
+    file = fingerprint(path)
+    named = {key: add_provenance(add_inputs(one, file), back=path.name) for key, one in surveys.items()}
+    return named, returned["back"]
 
 
 def _designed(surveys: dict[str, Survey], path: Path, of: str | None) -> dict[str, Survey]:

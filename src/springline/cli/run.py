@@ -16,7 +16,13 @@ if TYPE_CHECKING:
 
 
 def inspect_into(
-    survey: Survey, directory: Path, config: Config, *, checks: tuple[str, ...] = (), force: bool = False
+    survey: Survey,
+    directory: Path,
+    config: Config,
+    *,
+    back: Survey | None = None,
+    checks: tuple[str, ...] = (),
+    force: bool = False,
 ) -> dict[str, Any]:
     """Inspect a survey, write every output into `directory` and return its summary.
 
@@ -37,6 +43,7 @@ def inspect_into(
         result = inspect(
             survey,
             config,
+            back=back,
             checks=checks,
             progress=lambda stage, done: bar.update(task, description=stage, completed=0.8 * done),
         )

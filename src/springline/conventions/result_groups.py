@@ -175,6 +175,21 @@ RESULTS = (
         open=True,
     ),
     Group(
+        "passes",
+        "stages.passes",
+        "the back pass at the stations of the out pass, where both were joined",
+        (
+            var("chainage", "station", "m", "chainage of the station", required=True),
+            *with_sigma(
+                (var("back_chainage", "station", "m", "its place by the back pass, from the out pass's end"),), ""
+            ),
+            *with_sigma(
+                (var("radius_difference", "station", "m", "mean radius of the out pass less that of the back"),), ""
+            ),
+            var("misfit", "station", "1", "squared difference of the two sections over its variance, per parameter"),
+        ),
+    ),
+    Group(
         "metrics",
         "stages.metrics",
         "diameters, ovalities, deflection, area and capacity",

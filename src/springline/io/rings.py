@@ -171,7 +171,7 @@ def _check_distance(arrays: RingArrays, path: Path) -> None:
         expected="distances that strictly increase",
         mend="reverse the order of the rings"
         if whole
-        else "split out-and-back runs into one table each, and drop rings taken at a standstill",
+        else "split out-and-back runs into two tables (--back takes the second), and drop rings taken at a standstill",
     )
 
 

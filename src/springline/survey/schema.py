@@ -75,7 +75,8 @@ def _check_rings(rings: xr.Dataset, where: str) -> None:
             f"the distance {word}: {distance[row - 1]:g} m, then {distance[row]:g} m",
             where=f"{where}, ring {row}",
             expected="distances that strictly increase",
-            mend="split out-and-back runs into one survey each, and drop rings taken at a standstill",
+            mend="split an out-and-back run into two surveys, of which --back takes the second; drop rings taken at a "
+            "standstill",
         )
     if (steps < 0).any():
         raise InputError(

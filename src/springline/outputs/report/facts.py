@@ -71,7 +71,9 @@ def command(results: Results) -> str:
         if attrs.get(key) is not None:
             stated[flag] = f"{float(attrs[key]) * 1e3:g}mm"
     files = {
-        key: str(record[key]) for key in ("calibration", "overrides", "design_line", "design_line_of") if key in record
+        key: str(record[key])
+        for key in ("calibration", "overrides", "design_line", "design_line_of", "back")
+        if key in record
     }
     flags = [f"--{key.replace('_', '-')}" for key in (*stated, *files)]
     # A value that begins with a hyphen, as axes do, would be taken for another option.
