@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass
+from importlib.resources import files
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -122,3 +124,23 @@ def off(found: object, a: Run, b: Run) -> tuple[np.ndarray, np.ndarray, np.ndarr
     place, sigma = found.at(x[there])
     fine = found.reliable(x[there]) & found.refined_at(x[there])
     return place - y[there], sigma, fine
+
+
+def again(name: str, seed: int) -> tuple[Survey, Survey]:
+    """Return two inspections of the pipe of a ready scenario: its robot sways and rolls in another phase, its odometer
+    has another scale, its readings are others; the camera is left at home."""
+    rng = np.random.default_rng(seed)
+    text = (files("springline") / "simulate" / "scenarios" / f"{name}.toml").read_text(encoding="utf-8")
+    text = re.sub(r"\[camera\]\n.*?(?=\n\[|\Z)", "", text, flags=re.DOTALL)
+    if "[odometer]" not in text:
+        text += "\n[odometer]\nscale_error = 0.0\n"
+    if "roll_deg" not in text:
+        text = text.replace("[robot]\n", "[robot]\nroll_deg = { mean = 0.0, amplitude = 2.0, period = 7.3 }\n")
+    results = []
+    for epoch in range(2):
+        phase, scale, roll = rng.uniform(0.0, 360.0), rng.normal(0.0, 0.007), rng.uniform(-4.0, 4.0)
+        own = re.sub(r"((?:offset_[yz]|\w+_deg) = \{ [^}]*period = [0-9.]+)", rf"\1, phase_deg = {phase:.1f}", text)
+        own = re.sub(r"scale_error = [-0-9.]+", f"scale_error = {scale:.5f}", own)
+        own = own.replace("mean = 0.0, amplitude = 2.0", f"mean = {roll:.2f}, amplitude = 2.0")
+        results.append(sl.inspect(simulate(parse(own), seed=1000 * seed + epoch)))
+    return results[0], results[1]
