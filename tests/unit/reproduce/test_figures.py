@@ -1,13 +1,27 @@
 """Figures: sound SVG that asks nothing of any network, and every number of the text and of the errata."""
 
+import sys
 from functools import cache
 from xml.etree import ElementTree
 
 import numpy as np
 import pytest
 
+from springline.geometry.contours import descriptor_norm
 from springline.geometry.liners import Lobe
-from springline.reproduce.figures import MAKERS, bends, figure, lobes, means, oblique, offsets, scanner, severities
+from springline.reproduce.figures import (
+    MAKERS,
+    bends,
+    criterion,
+    figure,
+    lobes,
+    means,
+    oblique,
+    offsets,
+    scanner,
+    severities,
+    views,
+)
 
 make = cache(figure)
 
@@ -32,6 +46,8 @@ def test_every_figure_is_sound_and_judged(number):
 @pytest.mark.parametrize(
     ("number", "holds"),
     [
+        ("2.34", [True, True]),
+        ("2.36", [True, True, True, True]),
         ("3.4", [True, False]),
         ("3.7", [True, False]),
         ("3.14", [True]),
@@ -52,6 +68,22 @@ def test_every_figure_is_sound_and_judged(number):
         ("5.7", [True, True]),
         ("5.8", [False, False, False]),
         ("5.11", [True, False]),
+        ("6.3", [True]),
+        ("6.4", [False, False]),
+        ("6.5", [True, True]),
+        ("6.6", [True, True]),
+        ("6.7", [False]),
+        ("6.8", [True]),
+        ("6.9", [True]),
+        ("6.10", [True, False, True]),
+        ("6.11", [True, False]),
+        ("6.12", [True]),
+        ("6.15", [True]),
+        ("6.16", [True]),
+        ("6.17", [True]),
+        ("6.18", [False]),
+        ("6.19", [False]),
+        ("6.20", [False]),
         ("7.3", [True]),
         ("7.5", [True]),
         ("7.6", [True]),
@@ -145,3 +177,32 @@ def test_lobes():
 def test_unknown_figures_are_refused():
     with pytest.raises(ValueError, match=r"figure '5\.66' is not known, did you mean '5\.6'"):
         figure("5.66")
+
+
+def test_lenses_change_a_lateral_as_the_errata_say():
+    small, large = (20.0, 10.0, 5.0, 1.0), (30.0, 20.0, 10.0, 8.0)
+    for size, distances, stated in (
+        (0.5, small, {"sine": 5.07, "equisolid": 1.53, "equidistant": 1.67, "stereographic": 2.22}),
+        (5.0, large, {"sine": 1.40, "equisolid": 1.78}),
+    ):
+        for model, ratio in stated.items():
+            change = views.aspects(views.lateral(size), distances, model)
+            assert change.max() / change.min() == pytest.approx(ratio, abs=0.006)
+
+
+def test_norms_of_laterals_are_those_of_the_errata():
+    for ahead, ends in ((3.0, (1.136, 1.165)), (0.8, (1.058, 1.102))):
+        norms = [float(descriptor_norm(criterion.seen(size, 10.0 * ahead))) for size in (0.5, 6.0)]
+        assert norms == pytest.approx(ends, abs=6e-4)
+
+
+def test_dark_joints_do_not_stand_out_of_an_opening():
+    pytest.importorskip("cv2", reason="needs the extra 'vision'")
+    assert [check.holds for check in make("6.2").checks] == [False]
+
+
+def test_without_opencv_the_frame_alone_is_shown(monkeypatch):
+    monkeypatch.setitem(sys.modules, "cv2", None)
+    for number in ("6.1", "6.2"):
+        made = figure(number)
+        assert "vision" in made.note and made.checks == () and "<image" in made.svg
