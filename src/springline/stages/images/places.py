@@ -21,7 +21,9 @@ _SAME = 0.1
 _FEWEST_JOINTS = 6
 _REGULAR = 0.15
 _SPACED = 1.0
-_IRREGULAR = -2.0
+_IRREGULAR = -2.5
+_SCATTER = 4.0
+_LEAST_SCATTER = 0.01
 _WITHIN = 0.05
 _ALIKE = 0.5
 _TURNED = 0.45
@@ -121,9 +123,10 @@ def spaced_joints(places: list[Place]) -> list[Place]:
     length = float(np.median(gaps[gaps < 1.4 * np.quantile(gaps, 0.3)]))
     many = np.maximum(np.rint(gaps / length), 1)
     off = np.abs(gaps - many * length)
-    if np.median(off[many == 1]) > _WITHIN * length:
+    usual = float(np.median(off[many == 1]))
+    if usual > _WITHIN * length:
         return []
-    even = off < np.maximum(_WITHIN, 0.03 * many) * length
+    even = off < np.clip(_SCATTER * 1.4826 * usual, _LEAST_SCATTER * length, _WITHIN * length) * np.sqrt(many)
     for k, joint in enumerate(joints):
         beside = even[max(k - 1, 0) : k + 1]
         if len(beside) == 2 and not beside.any():
