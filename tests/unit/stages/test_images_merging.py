@@ -20,7 +20,7 @@ OPEN = next(code for code, name in MASK_REASONS.items() if name == "lateral")
 
 
 def survey(features, holes=()):
-    """Rings every 10 mm over 4 m; features (kind, chainage, bearing, confidence); holes (x, bearing), 60 mm in radius."""
+    """Rings every 10 mm over 4 m; features (kind, chainage, bearing, confidence); holes (x, bearing)."""
     words = {"source": "rings", "image": "", "kind": ""}
     columns = {}
     for one in GROUPS["features"].variables:
