@@ -13,6 +13,7 @@ from .stages.clean import clean
 from .stages.design_line import design_line
 from .stages.detect import detect
 from .stages.estimate import estimate
+from .stages.facing import facing
 from .stages.features import features
 from .stages.images import images, texture
 from .stages.liner import liner
@@ -65,7 +66,7 @@ def inspect(
     """
     config, rules = config or Config(), [load_rule(name) for name in checks]
     survey = add_run(validate(survey.source()), version=__version__, config=config.model_dump(mode="json"))
-    survey = _measurable(apply_calibration(ring_video(survey, config)))
+    survey = _measurable(facing(apply_calibration(ring_video(survey, config))))
     for done, stage in enumerate(STAGES):
         if progress:
             progress(stage.__name__, done / len(STAGES))
@@ -81,7 +82,8 @@ def inspect(
 
 def _estimated(survey: Survey, config: Config) -> Survey:
     """Return the back pass as far as it is needed."""
-    survey = _measurable(apply_calibration(ring_video(validate(survey.source(), where="the back pass"), config)))
+    survey = ring_video(validate(survey.source(), where="the back pass"), config)
+    survey = _measurable(facing(apply_calibration(survey)))
     for stage in STAGES[: STAGES.index(estimate) + 1]:
         survey = stage(survey, config)
     return survey

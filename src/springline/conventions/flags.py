@@ -66,6 +66,7 @@ ROOT_ATTRIBUTES = {
     "wall_thickness": "wall thickness [m]",
     "material": "material of the host pipe",
     "direction": "downstream or upstream",
+    "facing": "forwards, or backwards where the robot's nose pointed against its travel, as when it is pulled back",
     "date": "date of the inspection, ISO 8601",
     "crs": "coordinate reference system of eastings and northings",
     "operator": "who drove the inspection",

@@ -114,6 +114,7 @@ SURVEY_FOLDER_KEYS = {
     "operator": "who drove the inspection",
     "equipment": "what recorded it",
     "direction": "downstream or upstream",
+    "facing": "forwards or backwards: whether the robot's nose pointed along its travel",
     "parts": "table of files: rings, rings_rear, inertial, ties, frames, design_line, observations, calibration",
     "sensor": "table: kind, bearing_zero, bearing_sense, range_noise, and the sensor's geometry",
     "sensor_rear": "table: the same of the scanner of rings_rear",

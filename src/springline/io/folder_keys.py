@@ -72,6 +72,8 @@ def read_keys(path: Path) -> FolderKeys:
             attrs[key] = _length(values[key], path, key)
     if "direction" in values:
         attrs["direction"] = _choice(values["direction"], ("downstream", "upstream"), path, "direction")
+    if "facing" in values:
+        attrs["facing"] = _choice(values["facing"], ("forwards", "backwards"), path, "facing")
     if "date" in values:
         attrs["date"] = _date(values["date"], path)
     parts = _table(values, "parts", path)

@@ -28,7 +28,8 @@ from .wall import BED, Pipe, Wall, build
 STEP = 0.01
 """Step of the grid on which the motion is laid out [m]."""
 
-_HALF_TURN = np.diag([-1.0, 1.0, -1.0])
+HALF_TURN = np.diag([-1.0, 1.0, -1.0])
+"""Half a turn about y."""
 
 
 class Route:
@@ -46,7 +47,7 @@ class Route:
     def at(self, travelled: np.ndarray | float) -> tuple[np.ndarray, np.ndarray]:
         """Return axis points (..., 3) and travel frames (..., 3, 3) at travelled chainages."""
         point, frame = self.centreline.at(self.chainage(travelled))
-        return point, _HALF_TURN @ frame if self.from_end else frame
+        return point, HALF_TURN @ frame if self.from_end else frame
 
     def bearing(self, bearing: np.ndarray | float) -> np.ndarray:
         """Return a bearing of the pipe as seen along travel, in [0, 2 pi)."""
@@ -67,6 +68,8 @@ class Motion:
         self.grid = np.arange(start - margin, end + margin, STEP)
         lay = _driven if robot.path == "kinematic" else _steered
         middle, axes = lay(scenario, pipe, route, self.grid)
+        if robot.backwards:
+            axes = HALF_TURN @ axes
         self.path = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(middle, axis=0), axis=1))])
         self._middle = make_interp_spline(self.grid, middle, k=5)
         self._quaternion = make_interp_spline(self.grid, _continuous(quaternions(axes)), k=5)

@@ -11,7 +11,7 @@ from ..errors import ParameterError
 from . import equipment
 from .attitude import in_pipe, on_earth
 from .cast import cast_rays
-from .path import in_travel_frame
+from .path import HALF_TURN, in_travel_frame
 from .wall import WATER
 from .world import World
 
@@ -66,7 +66,8 @@ def _block(
     bearing = bearings(scanner)
     rays = np.cos(bearing)[:, None] * sensor[:, None, 2] + np.sin(bearing)[:, None] * sensor[:, None, 1]
     route = world.route
-    guess = route.chainage(travelled + scanner.position[0])
+    backwards = world.scenario.robot.backwards
+    guess = route.chainage(travelled + (-scanner.position[0] if backwards else scanner.position[0]))
     cell = route.centreline.find(origin, guess)
     true, kind, _ = cast_rays(world.wall, origin, cell, rays, scanner.range_max)
     chainage = route.chainage(route.centreline.project(origin, guess))
@@ -91,7 +92,9 @@ def _pose(world: World, chainage: np.ndarray, origin: np.ndarray, robot: np.ndar
     """Return the truth of each ring: the scanner's origin in the pipe and the robot's attitude there and on Earth."""
     point, frame = world.route.at(chainage)
     off = np.einsum("nij,nj->ni", frame, origin - point)
-    pitch, yaw, roll = in_travel_frame(robot, frame)
+    # Of a robot that is pulled back the attitude is told as of one turned round: about zero, not about half a turn.
+    forwards = HALF_TURN @ robot if world.scenario.robot.backwards else robot
+    pitch, yaw, roll = in_travel_frame(forwards, frame)
     heading, inclination, bank = on_earth(robot)
     return {
         "ring_chainage": chainage,

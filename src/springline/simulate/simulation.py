@@ -175,6 +175,7 @@ def _described(survey: Survey, scenario: Scenario, seed: int) -> Survey:
         wall_thickness=pipe.wall_thickness,
         material=pipe.material or None,
         direction="downstream" if downhill else "upstream",
+        facing="backwards" if robot.backwards else None,
         date=scenario.date or None,
         equipment="simulated",
         provenance=json.dumps(made),

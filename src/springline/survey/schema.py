@@ -20,7 +20,7 @@ def validate(survey: Survey, *, where: str = "survey") -> Survey:
     """Return the survey when it follows the contract.
 
     Checked: every variable is known, has its dims and a fitting type, required ones are there; distances of rings
-    are finite and never go back or repeat; rings hold at least one return.
+    are finite and never turn or repeat, and increase unless the robot faced backwards; rings hold at least one return.
 
     Args:
         survey: The survey.
@@ -34,7 +34,7 @@ def validate(survey: Survey, *, where: str = "survey") -> Survey:
         _check_structure(GROUPS[name], survey.group(name), where)
     for name in ("rings", "rings_rear"):
         if survey.has(name):
-            _check_rings(survey.group(name), f"{where}, /{name}")
+            _check_rings(survey.group(name), f"{where}, /{name}", back=survey.attrs.get("facing") == "backwards")
     return survey
 
 
@@ -60,7 +60,7 @@ def _check_structure(group: Group, data: xr.Dataset, where: str) -> None:
             )
 
 
-def _check_rings(rings: xr.Dataset, where: str) -> None:
+def _check_rings(rings: xr.Dataset, where: str, *, back: bool) -> None:
     if 0 in rings.sizes.values():
         raise InputError("there are no readings", where=where, expected="at least one ring with readings")
     distance = rings["distance"].values
@@ -78,7 +78,7 @@ def _check_rings(rings: xr.Dataset, where: str) -> None:
             mend="split an out-and-back run into two surveys, of which --back takes the second; drop rings taken at a "
             "standstill",
         )
-    if (steps < 0).any():
+    if (steps < 0).any() and not back:
         raise InputError(
             f"distances decrease from {distance[0]:g} to {distance[-1]:g} m",
             where=where,
