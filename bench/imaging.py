@@ -59,10 +59,13 @@ NAMES = {
 }
 
 
-def sewer(pipe_seed: int) -> Scenario:
-    """Return the ready scenario with another pipe."""
+def sewer(pipe_seed: int, *, inertial: bool = False) -> Scenario:
+    """Return the ready scenario with another pipe, and with an inertial log like that of `weaving` where asked for."""
     scenario = load("sewer")
-    return scenario.model_copy(update={"pipe": scenario.pipe.model_copy(update={"seed": pipe_seed})})
+    changed = {"pipe": scenario.pipe.model_copy(update={"seed": pipe_seed})}
+    if inertial:
+        changed["inertial"] = load("weaving").inertial
+    return scenario.model_copy(update=changed)
 
 
 def rendered(scenario: Scenario, seed: int, folder: Path) -> Footage:
@@ -162,15 +165,17 @@ def by_given_pose(survey: Survey, footage: Footage, seed: int) -> dict[str, list
     }
 
 
-def study(pipe_seed: int, seed: int, folder: Path, rows: tuple[str, ...]) -> None:
+def study(scenario: Scenario, seed: int, folder: Path, rows: tuple[str, ...]) -> None:
     """Print a table of one pipe."""
     written = folder.exists() or bool({"every", "given", "alone"} & set(rows))
-    footage = rendered(sewer(pipe_seed), seed, folder) if written else Footage(sewer(pipe_seed), seed)
-    truth, survey = Truth(footage), sl.read(folder) if written else simulate(sewer(pipe_seed), seed)
+    footage = rendered(scenario, seed, folder) if written else Footage(scenario, seed)
+    truth, survey = Truth(footage), sl.read(folder) if written else simulate(scenario, seed)
     base = None
     if {"rings", "chosen", "every"} & set(rows):
-        base = inspect(Survey({"rings": survey.rings}, survey.attrs), Config())
-    print(f"\nPipe {pipe_seed}, noise {seed}, {len(footage)} frames\n")
+        scan = {name: survey.group(name) for name in ("rings", "inertial") if survey.has(name)}
+        base = inspect(Survey(scan, survey.attrs), Config())
+    pose = ", poses by the joint estimate" if "inertial" in survey.groups else ""
+    print(f"\nPipe {scenario.pipe.seed}, noise {seed}, {len(footage)} frames{pose}\n")
     print("| by | kind | there | found | false | recall | precision | x, 95 % | clock, 95 % | size, 95 % | frames |")
     print("|---|---|---|---|---|---|---|---|---|---|---|")
     for row in rows:
@@ -211,7 +216,7 @@ def _found(row: str, base: Survey | None, survey: Survey, footage: Footage, seed
 def main() -> None:
     """Print what stands in docs/imaging.md, of the ready scenario."""
     with tempfile.TemporaryDirectory() as folder:
-        study(READY, 0, Path(folder) / "sewer", ROWS)
+        study(sewer(READY), 0, Path(folder) / "sewer", ROWS)
 
 
 if __name__ == "__main__":
@@ -220,9 +225,8 @@ if __name__ == "__main__":
     parser.add_argument("--noise", type=int, default=0, help="seed of the measurement")
     parser.add_argument("--folder", type=Path, help="where the survey is written, or stands")
     parser.add_argument("--rows", nargs="+", choices=ROWS, default=ROWS)
+    parser.add_argument("--inertial", action="store_true", help="with an inertial log, so that poses are estimated")
     given = parser.parse_args()
-    if given.folder is None:
-        with tempfile.TemporaryDirectory() as temporary:
-            study(given.pipe, given.noise, Path(temporary) / "sewer", tuple(given.rows))
-    else:
-        study(given.pipe, given.noise, given.folder, tuple(given.rows))
+    wanted = sewer(given.pipe, inertial=given.inertial)
+    with tempfile.TemporaryDirectory() as temporary:
+        study(wanted, given.noise, given.folder or Path(temporary) / "sewer", tuple(given.rows))
