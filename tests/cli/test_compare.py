@@ -88,7 +88,17 @@ def test_a_tally_in_excel_with_a_column_map(tmp_path):
     assert json.loads((tmp_path / "out" / "summary.json").read_text())["pairs"] >= 58
 
 
+def test_plain_headings_are_known(lists, tmp_path):
+    for name in ("a.csv", "b.csv"):
+        text = (lists / name).read_text().replace("chainage_m,kind,clock_h,size_mm", "Chainage,Kind,Clock,Size")
+        (tmp_path / f"plain-{name}").write_text(text)
+    out = tmp_path / "out"
+    assert run(tmp_path / "plain-a.csv", tmp_path / "plain-b.csv", "-o", out)[0] == 0
+    assert json.loads((out / "summary.json").read_text())["pairs"] == 30
+
+
 BAD = {
+    "zero.csv": ("", "the file is empty"),
     "empty.csv": ("chainage_m,kind\n", "it has no rows"),
     "one.csv": ("chainage_m,kind\n1.0,joint\n", "a single feature"),
     "unsorted.csv": ("chainage_m,kind\n5,joint\n1,joint\n7,joint\n", "Sort the list by chainage"),

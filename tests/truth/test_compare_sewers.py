@@ -39,3 +39,9 @@ def test_hidden_taps_leave_the_rest_right(found):
     rng = np.random.default_rng(3)
     right, given = np.sum([sewers.hidden(one, m, MatchOptions.cctv(), rng) for one, m in found], axis=0)
     assert right / given >= 0.98
+
+
+def test_other_sewers_are_refused(found):
+    strangers = [(one.a, found[(k + 7) % len(found)][0].b) for k, (one, _) in enumerate(found)]
+    said = [match(a, b, MatchOptions.cctv()).accepted for a, b in strangers]
+    assert np.mean(said) <= 0.02

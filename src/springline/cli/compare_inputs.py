@@ -14,7 +14,10 @@ if TYPE_CHECKING:
 
 _SURVEY = "survey.zarr.zip"
 _TABLES = (".csv", ".xlsx", ".xlsm")
-_OWN = {"chainage": "chainage_m", "kind": "kind", "clock": "clock_h", "size": "size_mm"}
+_OWN = {
+    "chainage": ("chainage_m", "chainage"), "kind": ("kind",),
+    "clock": ("clock_h", "clock"), "size": ("size_mm", "size"),
+}  # fmt: skip
 _OWN_KINDS = {
     "joint": "joint", "lateral": "lateral", "bend": "bend", "manhole": "manhole", "dent": "defect",
     "deposit": "defect", "intrusion": "defect",
@@ -119,7 +122,9 @@ def _listed(path: Path, number: str, given: ListOptions) -> tuple[FeatureList, b
     units = {"length_unit": given.unit or "m", "size_unit": given.size_unit or "mm"}
     columns, kinds = given.columns, given.kinds or None
     if not columns:
-        columns = {key: name for key, name in _OWN.items() if name in table.columns}
+        headings = {str(c).strip().lower(): c for c in reversed(table.columns)}
+        known = ((key, next((n for n in names if n in headings), "")) for key, names in _OWN.items())
+        columns = {key: headings[name] for key, name in known if name}
         if "kind" in columns and not kinds:
             # A word that is not ours stands for itself, so that it is refused by name.
             kinds = {w: _OWN_KINDS.get(w, w) for w in (str(v).strip() for v in table[columns["kind"]])}
@@ -127,7 +132,7 @@ def _listed(path: Path, number: str, given: ListOptions) -> tuple[FeatureList, b
             raise FormatError(
                 "its columns are not known",
                 where=path,
-                expected="features.csv of an inspection, a table of PACP conditions, or a column map; there are "
+                expected="chainage, kind, clock and size, a table of PACP conditions, or a column map; there are "
                 + ", ".join(map(str, table.columns)),
                 mend='name them, as in --columns "chainage=Log distance,clock=o\'clock"',
             )
@@ -151,6 +156,8 @@ def _only(table: Any, column: str, path: Path) -> str:
 def _table(path: Path) -> Any:
     import pandas as pd
 
+    if not path.stat().st_size:
+        raise InputError("the file is empty", where=path, expected="a heading and one row per feature")
     try:
         if path.suffix.lower() == ".csv":
             return pd.read_csv(path, dtype=str, keep_default_na=False, sep=None, engine="python", encoding="utf-8-sig")

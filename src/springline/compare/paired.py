@@ -128,7 +128,9 @@ def feature_changes(
         known = np.isfinite(sigma)
         if not known.any():
             continue
-        detectable[quantity] = (limit + float(norm.isf(0.05))) * float(np.median(sigma[known]))
+        least = (limit + float(norm.isf(0.05))) * float(np.median(sigma[known]))
+        if quantity != "lateral bearing" or least < np.pi:  # no two bearings are further apart than half a turn
+            detectable[quantity] = least
         for k in np.flatnonzero(known & (np.abs(change) > limit * sigma)):
             z = abs(change[k] / sigma[k])
             said, reason = verdict(quantity, float(change[k]), works=works)

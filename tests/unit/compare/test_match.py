@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from springline.compare import Drift, MatchOptions, feature_list, match, match_any
+from springline.conventions import bearing_from_clock
 from springline.errors import InputError, ParameterError
 
 
@@ -92,3 +93,17 @@ def test_drift_between_nodes_is_less_sure_than_at_them():
 def test_options_out_of_range_are_named(name):
     with pytest.raises(ParameterError, match=f"{name} is -1"):
         MatchOptions(**{name: -1.0})
+
+
+def test_taps_of_one_place_two_clock_hours_apart_are_two_taps():
+    rng = np.random.default_rng(5)
+    x = np.sort(rng.uniform(0.0, 90.0, 12))
+    hours = rng.choice([2.0, 3.0, 9.0, 10.0], 12)
+    lists = []
+    for late in (0.0, 1.0, 2.0):
+        clock = hours + late * (np.arange(12) == 6)
+        lists.append(feature_list(x, "lateral", bearing=bearing_from_clock(clock), extent=(0.0, 92.0)))
+    one, two = (match(lists[0], b, MatchOptions.cctv()) for b in lists[1:])
+    assert 6 in one.pairs.index_a
+    assert 6 not in two.pairs.index_a
+    assert len(two.pairs) == 11

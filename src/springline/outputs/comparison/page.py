@@ -214,7 +214,8 @@ def _dots(found: Comparison, strip: Strip, drift: Any) -> list[tuple[float, floa
 
 
 def _pairs(found: Comparison) -> Table:
-    headings = ("Feature", "In A [m]", "In B [m]", "Off its place [mm]", "Probability", "Clock in A", "Clock in B")
+    own = "Clock in B, as driven" if found.placed is not None and found.placed.reversed else "Clock in B"
+    headings = ("Feature", "In A [m]", "In B [m]", "Off its place [mm]", "Probability", "Clock in A", own)
     if found.paired is None or found.a.features is None or found.b.features is None:
         return Table(headings, ())
     p, a, b, kinds = found.paired, found.a.features, found.b.features, found.a.kinds()
