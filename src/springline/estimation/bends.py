@@ -1,8 +1,8 @@
 """Bends of the estimated axis as explicit line-arc-line: radius, angle, plane, start, with their sigma.
 
 A bend is a stretch in which the direction turns steadily. Its ends are the corners of a ramp, fitted to the direction
-by least squares; its covariance is what the joint estimate states, and the kinks that joints may add to the straight
-runs beside it.
+by least squares; its covariance is what the joint estimate states, and the kinks that joints may add to it and to
+the straight runs beside it.
 """
 
 from __future__ import annotations
@@ -98,7 +98,8 @@ def _fit(at, direction, spread, first, last) -> Bend | None:
     plane = whole / np.hypot(*whole)
     seen = flat @ plane
     noise = np.einsum("a,iajb,b->ij", plane * level, spread, plane * level)
-    for side in (np.maximum(first - at, 0.0), np.maximum(at - last, 0.0)):
+    # Joints kink the runs beside the bend and the bend itself.
+    for side in (np.maximum(first - at, 0.0), np.maximum(at - first, 0.0)):
         noise = noise + KINK**2 * np.minimum(side[:, None], side)
     values = np.array([first, last, np.median(seen[before]), float(np.hypot(*whole))])
 

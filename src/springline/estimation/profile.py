@@ -15,8 +15,6 @@ LEAST_DEPTH = 2e-3
 LEAST_LENGTH = 1.0
 """Shortest one [m]; below that it is a joint out of line, or a dip of the section."""
 _CERTAIN = 2.0
-_ENDS = 1e-4
-"""One-sigma of a sag's depth as its ends and its deepest place are looked for at knots alone [m]."""
 _FAR, _NEAR = 0.75, 0.15
 """Straight run on either side of a joint that tells its angle [m], from so far off that knots do not round it."""
 _FEWEST = 3
@@ -84,7 +82,7 @@ def find_sags(chainage: np.ndarray, knots: np.ndarray, elevation: np.ndarray, fo
         below = invert[first] + share * (invert[last] - invert[first]) - invert[first : last + 1]
         deepest = int(np.argmax(below))
         depth = float(below[deepest])
-        sigma = float(np.hypot(_ENDS, _depth_sigma(found, first, first + deepest, last, float(share[deepest]))))
+        sigma = _depth_sigma(found, first, first + deepest, last, float(share[deepest]))
         if depth < max(LEAST_DEPTH, _CERTAIN * sigma):
             continue
         inside = invert[first : last + 1]
@@ -124,6 +122,8 @@ def _depth_sigma(found: Covariance, first: int, middle: int, last: int, share: f
     weights = np.zeros((last - first + 1, BLOCK))
     up = AXIS.start + 2
     weights[: middle - first, up], weights[middle - first : -1, up] = share - 1.0, share
+    for knot, weight in ((first, 1.0 - share), (middle, -1.0), (last, share)):
+        _add_invert(weights[knot - first], weight)
     return sigma_of_sum(found, first, weights)
 
 
@@ -132,7 +132,14 @@ def _rise_sigma(found: Covariance, first: int, last: int) -> float:
         return 0.0
     weights = np.zeros((last - first + 1, BLOCK))
     weights[:-1, AXIS.start + 2] = 1.0
+    _add_invert(weights[0], -1.0)
+    _add_invert(weights[-1], 1.0)
     return sigma_of_sum(found, first, weights)
+
+
+def _add_invert(weights: np.ndarray, weight: float) -> None:
+    """Add how the invert lies against the axis at a knot: mean_radius less oval_cos below it."""
+    weights[SECTION.start : SECTION.start + 2] += weight * np.array([-1.0, 1.0])
 
 
 def joint_angles(at: np.ndarray, chainage: np.ndarray, knots: np.ndarray, found: Covariance) -> tuple[Deflection, ...]:

@@ -32,7 +32,7 @@ ACCEL = slice(3, 6)
 SCALE = 6
 """Odometer scale: true length over counted length, less one."""
 SLIP_UP, SLIP_RIGHT = 7, 8
-"""Travel direction against the forward axis [rad], towards the robot's y and z."""
+"""Travel direction against the forward axis [rad], upwards and level to the right, however the robot rolls."""
 LEVER = 9
 """How far the sensor stands ahead of the point that moves along the travel direction, beyond its stated place [m]."""
 LEVER_UP = 10

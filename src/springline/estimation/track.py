@@ -12,11 +12,12 @@ import numpy as np
 
 from .attitude import Attitude
 from .data import Inertial, Rings
-from .rotations import matrix
+from .rotations import cross, matrix
 from .standstill import still_samples
 
 REACH = 7
-"""Columns of a reach: the three integrals of the robot's axes over distance, the three axes, and the turning."""
+"""Columns of a reach: the integrals over distance of the forward axis and of the ways up and right of it, which do not
+roll with the robot; the robot's three axes; and the turning."""
 _TURN = 0.02
 _SPEED = 0.25
 _GAP = 3.0
@@ -157,11 +158,12 @@ class Track:
         time = self._when(distance, clock)
         rows = self._rows(time)
         counted = _extended(self._active[rows], self._motion(self._rings.time + clock), self._rings.distance)
-        sampled = self._attitudes.at(rows)
+        sampled = _upright(self._attitudes.at(rows))
         cumulated = _sum(0.5 * (sampled[1:] + sampled[:-1]) * np.diff(counted)[:, None, None])
         axes, row = self._attitude(time)
         start = row - rows.start
-        reach = cumulated[start] + 0.5 * (sampled[start] + axes) * (distance - counted[start])[:, None, None]
+        within = 0.5 * (sampled[start] + _upright(axes))
+        reach = cumulated[start] + within * (distance - counted[start])[:, None, None]
         ahead, behind = (self._attitude(self._when(distance + step, clock))[0][..., 0] for step in (_TURN, -_TURN))
         turning = (ahead - behind) / (2.0 * _TURN)
         return axes, np.concatenate([reach, axes, turning[..., None]], axis=2)
@@ -186,6 +188,14 @@ class Track:
     def _motion(self, time: np.ndarray) -> np.ndarray:
         """Return how long the robot has been moving at each inertial time [s]."""
         return np.interp(time, self._log.time, self._active)
+
+
+def _upright(axes: np.ndarray) -> np.ndarray:
+    """Return the forward axis and the ways up and right of it (n, 3, 3), from robot axes in columns: no roll."""
+    x = axes[..., 0]
+    right = np.stack([x[..., 1], -x[..., 0], np.zeros(len(x))], axis=-1)
+    right = right / np.linalg.norm(right, axis=-1, keepdims=True)
+    return np.stack([x, cross(right, x), right], axis=-1)
 
 
 def _up_to(time: np.ndarray, log: np.ndarray, cumulated: np.ndarray) -> np.ndarray:
