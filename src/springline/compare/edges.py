@@ -57,8 +57,8 @@ def joint_rows(wall: NDArray, seen: NDArray, section: NDArray, step: float) -> N
 def at_joints(x: NDArray, joints: NDArray, step: float) -> NDArray[np.bool_]:
     """Return the places x (n,) [m] that a ring cuts a joint from: within half its gap, a slant cut and the step."""
     reach = 0.5 * np.nan_to_num(joints[:, 1]) + _SLANT + _NEAR_JOINT * step
-    with np.errstate(invalid="ignore"):
-        return (np.abs(x[:, None] - joints[None, :, 0]) <= reach[None, :]).any(axis=1)
+    begun = np.searchsorted(np.sort(joints[:, 0] - reach), x, side="right")
+    return begun > np.searchsorted(np.sort(joints[:, 0] + reach), x, side="left")
 
 
 def rims(wall: Wall, x: NDArray, rows: int, roll: NDArray | None) -> NDArray[np.bool_]:

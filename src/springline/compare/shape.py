@@ -17,7 +17,7 @@ _PATTERN_LENGTH = 5.0  # m from which a pattern that all rings share can be told
 _ROLL = 0.2  # m over which a roll that is left over is taken
 _SLOPE_ORDERS = 12
 _STRAY = 5.0  # scatters of the wall
-_ROLL_UNKNOWN = np.radians(3.0)
+_ROLL_KNOWN, _ROLL_UNKNOWN = np.radians(0.01), np.radians(3.0)
 
 
 def roll_left(
@@ -49,8 +49,8 @@ def roll_left(
         width * uniform_filter1d(np.where(known, part, 0.0).sum(axis=1), width, mode="constant")
         for part in (np.nan_to_num(change) * slope, slope**2)
     )
-    prior = (scatter / np.nan_to_num(sigma, nan=_ROLL_UNKNOWN)) ** 2
-    return (pull / (own + prior))[:, None] * slope
+    prior = (scatter / np.maximum(np.nan_to_num(sigma, nan=_ROLL_UNKNOWN), _ROLL_KNOWN)) ** 2
+    return (pull / np.maximum(own + prior, 1e-30))[:, None] * slope
 
 
 def without_shape(change: NDArray, bearing: NDArray, step: float) -> NDArray[np.float32]:

@@ -63,3 +63,4 @@ def test_a_joint_that_is_listed_is_left_out_with_its_gap():
     assert out[np.abs(x - 4.0) < 0.02].all()
     assert not out[(np.abs(x - 2.0) > 0.09) & (np.abs(x - 4.0) > 0.05)].any()
     assert not at_joints(x, np.empty((0, 2)), STEP).any()
+    assert not at_joints(np.array([np.nan]), np.array([[2.0, 0.1]]), STEP).any()
