@@ -16,6 +16,8 @@ WIDE = 0.7
 """Bores beyond this share of the pipe's radius are unusual."""
 WIDER = 0.1
 """How fast they become so, relative."""
+WALK, STRIDE = 4, 4.0
+"""Steps towards the model's edge, and the longest of them [px]."""
 
 
 @njit(cache=True)
@@ -89,6 +91,41 @@ def residuals(lateral, sets, axes, eye, radii, parameters, places, off, out):  #
 
 
 @njit(cache=True)
+def distances(lateral, sets, axes, eye, radii, parameters, out):  # type: ignore[no-untyped-def]
+    """How far each point is from the model's edge [px], walking there; False when the parameters make no sense.
+
+    By first order alone, edges seen at a slant are near to everything.
+    """
+    count = out.shape[0]
+    places, off, moved = np.empty((count, 3)), np.empty((3, count)), np.zeros((2, count))
+    if not residuals(lateral, sets, axes, eye, radii, parameters, places, off, out):
+        return False
+    shape = radii
+    if not lateral:
+        shape = np.array([radii[0] * (1.0 + parameters[6]), radii[1] * (1.0 - parameters[6])])
+    here = sets.copy()
+    for _ in range(WALK):
+        for which in range(3):
+            cast(here[which], axes, eye, shape, parameters, places)
+            off_edge(lateral, places, parameters, off[which])
+        for k in range(count):
+            right, up = off[1, k] - off[0, k], off[2, k] - off[0, k]
+            back = off[0, k] / (right * right + up * up + 1e-18)
+            size = abs(back) * math.sqrt(right * right + up * up)
+            if size > STRIDE:
+                back *= STRIDE / size
+            moved[0, k] += back * right
+            moved[1, k] += back * up
+            for c in range(3):
+                step = back * right * (here[1, k, c] - here[0, k, c]) + back * up * (here[2, k, c] - here[0, k, c])
+                for which in range(3):
+                    here[which, k, c] -= step
+    for k in range(count):
+        out[k] = math.sqrt(moved[0, k] ** 2 + moved[1, k] ** 2)
+    return True
+
+
+@njit(cache=True)
 def _excess(lateral, radii, parameters):  # type: ignore[no-untyped-def]
     """By how many sigmas a bore is unusually wide."""
     if not lateral:
@@ -106,6 +143,15 @@ def _cost(lateral, radii, residuals, noise, parameters, mean, sigma):  # type: i
         if sigma[p] < 1e300:
             total += 0.5 * ((parameters[p] - mean[p]) / sigma[p]) ** 2
     return total + 0.5 * _excess(lateral, radii, parameters) ** 2
+
+
+@njit(cache=True)
+def whole_cost(lateral, sets, axes, eye, radii, parameters, mean, sigma, noise):  # type: ignore[no-untyped-def]
+    """Robust misfit by the distances from the edge, and what the prior says."""
+    out = np.empty(sets.shape[1])
+    if not distances(lateral, sets, axes, eye, radii, parameters, out):
+        return np.inf
+    return _cost(lateral, radii, out, noise, parameters, mean, sigma)
 
 
 @njit(cache=True)

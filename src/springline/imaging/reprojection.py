@@ -19,7 +19,7 @@ import numpy as np
 from springline.errors import ParameterError
 from springline.geometry.camera import camera_eye, rays
 from springline.geometry.checks import finite, positive
-from springline.imaging._casting import WIDE, cast, information, solve
+from springline.imaging._casting import WIDE, cast, information, solve, whole_cost
 from springline.imaging._evidence import disorder, occam, stain
 
 if TYPE_CHECKING:
@@ -42,7 +42,7 @@ _STEPS = 40
 _GOOD = 1.3  # times what noise alone would cost, below which no further starts are tried
 _FEWEST = 8
 _FARTHEST = 60.0  # radii along the pipe beyond which a point tells nothing of the start
-_USUAL = 0.3  # radii of the pipe, of a bore where geometry proposes one
+_USUAL = (0.08, 0.3)  # radii of the pipe, of a bore where geometry proposes one
 _LEAN = 0.6  # rad of inclination from which a fit is begun too
 _SMALLEST = 0.03  # least bore to begin with, in radii
 
@@ -242,27 +242,27 @@ def _fit(
     if near is not None and near.bearing is not None and kind == "lateral":
         mean[6], sigma[6] = near.bearing, near.bearing_sigma
     best_cost, best = np.inf, None
+    view = sets, matrix[:3, :3], eye, radii_array
     for wave in _poses(prior):
         for pose, tilt in wave:
             if tilt and kind == "joint":
                 continue
             starts = [_start(kind, sets[0], matrix[:3, :3], eye, radii_array, pose, mean[6], tilt)]
             if kind == "lateral" and not tilt and np.isfinite(sigma[[0, 6]]).all():
-                usual = math.log(_USUAL * radii_array.min())
-                starts.append(np.array([mean[0], *pose[1:], mean[6], usual, 0.0]))
+                usual = [math.log(size * radii_array.min()) for size in _USUAL]
+                starts += [np.array([mean[0], *pose[1:], mean[6], size, 0.0]) for size in usual]
             for start in starts:
                 if start is None:
                     continue
-                found, cost = solve(
-                    kind == "lateral", sets, matrix[:3, :3], eye, radii_array, start, mean, sigma, noise, _STEPS
-                )
+                found, cost = solve(kind == "lateral", *view, start, mean, sigma, noise, _STEPS)
+                if math.isfinite(cost):
+                    cost = whole_cost(kind == "lateral", *view, found, mean, sigma, noise)
                 if cost < best_cost:
                     best_cost, best = cost, found
         if best_cost < _GOOD * EXPECTED * sets.shape[1]:
             break
     if best is None:
         return _nothing(kind, noise, sets.shape[1], "no pose within the prior sees the contour on the wall")
-    view = sets, matrix[:3, :3], eye, radii_array
     known = information(kind == "lateral", *view, best, sigma, noise)
     evidence = -best_cost - occam(known, sigma, float(radii_array.min()))
     irregular = -math.inf
