@@ -14,10 +14,10 @@ from typing import NamedTuple
 
 import numpy as np
 
+from bench._joint import given, radii, true_axis, true_pose, true_radii
 from springline.estimation import Inertial, JointEstimate, Rings, Ties, estimate_joint
 from springline.estimation.start import first_axis
 from springline.estimation.track import Track
-from springline.geometry.fitting import fit_ellipses_to_ranges
 from springline.geometry.robot import pitch_yaw_roll, section_from_ring, solve_rings
 from springline.simulate import parse, simulate
 
@@ -121,38 +121,27 @@ class Survey(NamedTuple):
 def survey(case: dict[str, float], seed: int, walk: float = 0.1) -> Survey:
     """Return one simulated survey, its ellipses fitted."""
     made = simulate(parse(SCENARIO.format(**case, walk=walk)), seed=seed)
-    data, known = made.rings, made.ties
     start = time.perf_counter()
-    fits = fit_ellipses_to_ranges(data["range"].values, data["bearing"].values)
-    seconds = time.perf_counter() - start
-    rings = Rings(data["distance"].values, fits.parameters, fits.covariance, data["time"].values)
-    log = Inertial(*(made.inertial[name].values for name in ("time", "gyro", "accel")))
-    points = np.stack([known[name].values for name in ("easting", "northing", "elevation")], axis=1)
-    ties = Ties(known["distance"].values, points, known["sigma"].values)
-    return Survey(rings, log, ties, made.truth, seconds)
+    arrays = given(made)
+    return Survey(*arrays, made.truth, time.perf_counter() - start)
 
 
 def true_values(truth) -> dict[str, np.ndarray]:
     """Return the truth abreast of every ring."""
-    at = truth["ring_chainage"].values
-
-    def here(name):
-        return np.interp(at, truth["chainage"].values, truth[name].values)
-
+    pose = true_pose(truth)
     return {
-        "radii": 0.5 * np.stack([here("diameter_x"), here("diameter_y")], axis=1),
-        "offset": np.stack([truth["offset_y"].values, truth["offset_z"].values], axis=1),
-        "tilt": np.stack([truth["pitch"].values, truth["yaw"].values], axis=1),
-        "roll": truth["roll"].values,
-        "axis": np.stack([here(name) for name in ("easting", "northing", "elevation")], axis=1),
+        "radii": true_radii(truth),
+        "offset": pose[:, :2],
+        "tilt": pose[:, 2:4],
+        "roll": pose[:, 4],
+        "axis": true_axis(truth),
     }
 
 
 def of_joint(found: JointEstimate) -> dict[str, np.ndarray]:
     """Return what the joint estimate says in the same terms."""
-    mean, cos, _ = found.section.T
     return {
-        "radii": np.stack([mean + cos, mean - cos], axis=1),
+        "radii": radii(found)[0],
         "offset": found.pose[:, :2],
         "tilt": found.pose[:, 2:4],
         "roll": found.pose[:, 4],
@@ -238,14 +227,12 @@ def errors(said: dict[str, np.ndarray], true: dict[str, np.ndarray]) -> dict[str
 
 def covered(found: JointEstimate, true: dict[str, np.ndarray]) -> np.ndarray:
     """Return the share of stations at which 1.96 sigma hold offset, tilt, roll, r1 and r2, axis."""
-    turn = np.array([[1.0, 1.0, 0.0], [1.0, -1.0, 0.0]])
-    radii = np.sqrt(np.einsum("ai,nij,aj->na", turn, found.section_covariance, turn))
     said, sigma = of_joint(found), found.pose_sigma
     pairs = (
         (said["offset"] - true["offset"], sigma[:, :2]),
         (said["tilt"] - true["tilt"], sigma[:, 2:4]),
         (said["roll"] - true["roll"], sigma[:, 4]),
-        (said["radii"] - true["radii"], radii),
+        (said["radii"] - true["radii"], radii(found)[1]),
         (said["axis"] - true["axis"], found.axis_sigma),
     )
     return np.array([np.mean(np.abs(error) < 1.96 * spread) for error, spread in pairs])

@@ -14,8 +14,8 @@ from pathlib import Path
 
 import numpy as np
 
-from springline.estimation import Inertial, JointEstimate, JointOptions, Rings, Ties, estimate_joint, pooled_harmonics
-from springline.geometry.fitting import fit_ellipses_to_ranges
+from bench._joint import AXES, TERMS, given, here, radii, true_axis, true_radii
+from springline.estimation import JointEstimate, JointOptions, estimate_joint, pooled_harmonics
 from springline.simulate import parse, simulate
 
 PAGE = Path(__file__).parents[1] / "docs" / "estimator.md"
@@ -125,24 +125,9 @@ def run(seed: int, *, harmonic: bool = False) -> tuple[dict[str, np.ndarray], di
 
 def estimate(made) -> JointEstimate:
     """Return the joint estimate of a simulated survey, as the product makes it."""
-    data, known = made.rings, made.ties
-    ranges, bearings = data["range"].values, data["bearing"].values
-    fits = fit_ellipses_to_ranges(ranges, bearings)
-    rings = Rings(data["distance"].values, fits.parameters, fits.covariance, data["time"].values)
-    log = Inertial(*(made.inertial[name].values for name in ("time", "gyro", "accel")))
-    points = np.stack([known[name].values for name in ("easting", "northing", "elevation")], axis=1)
-    shape = pooled_harmonics(ranges, bearings, fits.parameters)
-    return estimate_joint(rings, log, Ties(known["distance"].values, points, known["sigma"].values), harmonics=shape)
-
-
-def here(truth, name: str) -> np.ndarray:
-    """Return a true variable of the pipe abreast of every ring."""
-    return np.interp(truth["ring_chainage"].values, truth["chainage"].values, truth[name].values)
-
-
-def true_axis(truth) -> np.ndarray:
-    """Return the true axis abreast of every ring [m] (n, 3)."""
-    return np.stack([here(truth, name) for name in ("easting", "northing", "elevation")], axis=1)
+    arrays = given(made)
+    shape = pooled_harmonics(made.rings["range"].values, made.rings["bearing"].values, arrays.rings.parameters)
+    return estimate_joint(*arrays, harmonics=shape)
 
 
 def true_sag(found: JointEstimate, truth, axis: np.ndarray) -> dict[str, tuple[float, float]]:
@@ -161,13 +146,11 @@ def true_sag(found: JointEstimate, truth, axis: np.ndarray) -> dict[str, tuple[f
 
 def of_stations(found: JointEstimate, truth) -> dict[str, np.ndarray]:
     """Return errors over sigma of every quantity of a station."""
-    radii = 0.5 * np.stack([here(truth, "diameter_x"), here(truth, "diameter_y")], axis=1)
-    turn = np.array([[1.0, 1.0, 0.0], [1.0, -1.0, 0.0]])
-    spread = np.sqrt(np.einsum("ai,nij,aj->na", turn, found.section_covariance, turn))
-    out = dict(zip(("r1", "r2"), ((found.section @ turn.T - radii) / spread).T, strict=True))
-    for k, name in enumerate(("offset_y", "offset_z", "pitch", "yaw", "roll")):
+    values, spread = radii(found)
+    out = dict(zip(("r1", "r2"), ((values - true_radii(truth)) / spread).T, strict=True))
+    for k, name in enumerate(TERMS):
         out[name] = (found.pose[:, k] - truth[name].values) / found.pose_sigma[:, k]
-    for k, name in enumerate(("easting", "northing", "elevation")):
+    for k, name in enumerate(AXES):
         out[name] = (found.axis[:, k] - true_axis(truth)[:, k]) / found.axis_sigma[:, k]
     grade = found.direction_sigma[:, 1] / np.cos(found.direction[:, 1]) ** 2
     out["gradient"] = (found.gradient - here(truth, "gradient")) / grade

@@ -2,10 +2,10 @@
 
 import numpy as np
 import pytest
+from bench._joint import given
 
 import springline as sl
-from springline.estimation import Inertial, Rings, Ties, estimate_joint
-from springline.geometry.fitting import fit_ellipses_to_ranges
+from springline.estimation import Inertial, estimate_joint
 from springline.geometry.robot.boresight import on_scanner, robot_attitude
 from springline.simulate import parse, simulate
 
@@ -46,11 +46,8 @@ sigma = "10mm"
 @pytest.fixture(scope="module")
 def weave():
     made = simulate(parse(SCENARIO), seed=0)
-    fits = fit_ellipses_to_ranges(made.rings["range"].values, made.rings["bearing"].values)
-    rings = Rings(made.rings["distance"].values, fits.parameters, fits.covariance, made.rings["time"].values)
-    points = np.stack([made.ties[name].values for name in ("easting", "northing", "elevation")], axis=1)
-    log = [made.inertial[name].values for name in ("time", "gyro", "accel")]
-    return rings, log, Ties(made.ties["distance"].values, points, made.ties["sigma"].values), made.truth
+    rings, log, ties = given(made)
+    return rings, (log.time, log.gyro, log.accel), ties, made.truth
 
 
 def ovality_error(found, truth):

@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
+from bench._joint import given, radii, true_axis, true_pose, true_radii
 
 from springline.estimation import Inertial, JointOptions, Rings, Ties, estimate_joint, pooled_harmonics
-from springline.geometry.fitting import fit_ellipses_to_ranges
 from springline.simulate import parse, simulate
 
 WEAVING = """
@@ -51,41 +51,12 @@ scale_error = 0.005
 chainages = [0.25, 11.7]
 sigma = "10mm"
 """
-TERMS = ("offset_y", "offset_z", "pitch", "yaw", "roll")
 
 
 def survey(heading=30.0, stand=60.0, seed=0, text=None):
     """Return rings, inertial log, ties and truth of a short weave."""
-    return of_survey(simulate(parse((text or WEAVING).format(heading=heading, stand=stand)), seed=seed))
-
-
-def of_survey(made):
-    """Return the same of a simulated survey."""
-    data = made.rings
-    fits = fit_ellipses_to_ranges(data["range"].values, data["bearing"].values)
-    rings = Rings(data["distance"].values, fits.parameters, fits.covariance, data["time"].values)
-    log = Inertial(*(made.inertial[name].values for name in ("time", "gyro", "accel")))
-    known = made.ties
-    points = np.stack([known[name].values for name in ("easting", "northing", "elevation")], axis=1)
-    return rings, log, Ties(known["distance"].values, points, known["sigma"].values), made.truth
-
-
-def true_section(truth):
-    """Return r1 (across) and r2 (up) abreast of every ring; mode 1 is an upright ellipse."""
-    return np.stack(
-        [
-            np.interp(truth["ring_chainage"], truth["chainage"], truth[f"diameter_{axis}"].values / 2.0)
-            for axis in ("x", "y")
-        ],
-        axis=1,
-    )
-
-
-def radii(estimate):
-    """Return the same as estimated, with one-sigma."""
-    turn = np.array([[1.0, 1.0, 0.0], [1.0, -1.0, 0.0]])
-    spread = np.einsum("ai,nij,aj->na", turn, estimate.section_covariance, turn)
-    return estimate.section @ turn.T, np.sqrt(spread)
+    made = simulate(parse((text or WEAVING).format(heading=heading, stand=stand)), seed=seed)
+    return *given(made), made.truth
 
 
 def rms(values):
@@ -100,20 +71,16 @@ def weave():
 
 def test_pose_section_and_layout_come_out_together(weave):
     rings, _, _, truth, found = weave
-    error = found.pose - np.stack([truth[name].values for name in TERMS], axis=1)
+    error = found.pose - true_pose(truth)
     assert found.converged
     assert rms(error[:, :2]) < 0.1e-3
     assert rms(error[:, 2:4]) < np.radians(0.25)
     assert rms(error[:, 4]) < np.radians(0.1)
     section, _ = radii(found)
     alone = rings.parameters[:, 2:3] + rings.parameters[:, 3:4] * np.array([[1.0, -1.0]])
-    assert rms(section - true_section(truth)) < 0.05e-3
-    assert rms(section - true_section(truth)) < 0.25 * np.sqrt(np.nanmean((alone - true_section(truth)) ** 2))
-    axis = np.stack([np.interp(truth["ring_chainage"], truth["chainage"], truth[n]) for n in NORTHING], axis=1)
-    assert rms(np.linalg.norm(found.axis - axis, axis=1)) < 0.02
-
-
-NORTHING = ("easting", "northing", "elevation")
+    assert rms(section - true_radii(truth)) < 0.05e-3
+    assert rms(section - true_radii(truth)) < 0.25 * np.sqrt(np.nanmean((alone - true_radii(truth)) ** 2))
+    assert rms(np.linalg.norm(found.axis - true_axis(truth), axis=1)) < 0.02
 
 
 def test_the_bend_is_a_line_an_arc_and_a_line(weave):
@@ -155,17 +122,6 @@ def test_turning_the_earth_turns_the_layout_and_nothing_else(weave):
     np.testing.assert_allclose(other.pose_sigma, found.pose_sigma, rtol=0.02)
 
 
-def test_without_ties_or_standstill_sigma_of_the_centreline_grows(weave):
-    rings, log, _, _, found = weave
-    free = estimate_joint(rings, log)
-    assert "north" in free.why_missing
-    assert free.axis_sigma[-1].max() > 2.5 * found.axis_sigma[-1].max()
-    rings, log, ties, _ = survey(stand=0.5)
-    hasty = estimate_joint(rings, log, ties)
-    assert hasty.axis_sigma[len(rings.distance) // 2, :2].max() > found.axis_sigma[len(rings.distance) // 2, :2].max()
-    assert hasty.scalars["gyro_bias_x"][1] > 1.2 * found.scalars["gyro_bias_x"][1]
-
-
 def test_clock_offset_of_50_ms_is_found_or_harmless(weave):
     rings, log, ties, _, found = weave
     late = estimate_joint(rings, Inertial(log.time + 0.05, log.gyro, log.accel), ties)
@@ -181,7 +137,7 @@ def test_rings_and_odometer_alone_tell_offsets_tilt_and_section(weave):
     assert set(found.why_missing) == {"roll", "axis", "gradient"}
     assert np.isnan(found.pose[:, 4]).all() and np.isnan(found.axis).all()
     # Without a log the sensor's own upright stands for up: what does not ask for it is how far, and how steeply.
-    pose = np.stack([truth[name].values for name in TERMS], axis=1)
+    pose = true_pose(truth)
     far = [np.hypot(*values[before_bend, :2].T) for values in (found.pose, pose)]
     steep = [np.hypot(*values[before_bend, 2:4].T) for values in (found.pose, pose)]
     assert rms(far[0] - far[1]) < 0.15e-3
@@ -226,28 +182,33 @@ def test_what_happens_on_the_way_does_no_harm(event):
         text = text.replace(old, new, 1)
     rings, log, ties, truth = survey(text=text)
     found = estimate_joint(rings, log, ties)
-    error = found.pose - np.stack([truth[name].values for name in TERMS], axis=1)
+    error = found.pose - true_pose(truth)
     assert rms(error[:, :2]) < 0.1e-3
     assert rms(error[:, 2:4]) < np.radians(0.25)
     assert rms(error[:, 4]) < np.radians(0.1)
+    # What is wrong all along one survey, as pitch by the slip upwards, is so by its sigma; see `bench.pose_study`.
+    assert (np.sqrt(np.mean((error / found.pose_sigma) ** 2, axis=0)) < 2.5).all()
     section, sigma = radii(found)
-    wrong = section - true_section(truth)
+    wrong = section - true_radii(truth)
     assert rms(wrong) < 0.05e-3
     assert np.mean(np.abs(wrong) < 1.96 * sigma) > 0.9
+    off = found.axis - true_axis(truth)
+    assert rms(np.linalg.norm(off, axis=1)) < 0.05
+    assert rms(off / found.axis_sigma) < 2.5
 
 
 def test_a_section_that_is_no_ellipse_is_said_and_does_not_pull_the_centre():
     text = WEAVING.replace("[robot]", "[[pipe.harmonic]]\norder = 3\namplitude = 0.0007\n[robot]")
     made = simulate(parse(text.format(heading=30.0, stand=60.0)), seed=0)
     ranges, bearings = made.rings["range"].values, made.rings["bearing"].values
-    rings, log, ties, truth = of_survey(made)
+    (rings, log, ties), truth = given(made), made.truth
     shape = pooled_harmonics(ranges, bearings, rings.parameters)
     assert shape.significant.all()
     assert shape.amplitude == pytest.approx(0.0007, rel=0.1)
     found = estimate_joint(rings, log, ties, harmonics=shape)
     assert "no ellipse" in found.warnings[0]
     section, sigma = radii(found)
-    assert np.mean(np.abs(section - true_section(truth)) < 1.96 * sigma) > 0.9
+    assert np.mean(np.abs(section - true_radii(truth)) < 1.96 * sigma) > 0.9
     freed = found.pose[:, 1] - truth["offset_z"].values
     bound = estimate_joint(rings, log, ties).pose[:, 1] - truth["offset_z"].values
     assert rms(freed) < 0.7 * rms(bound)

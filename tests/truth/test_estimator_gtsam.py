@@ -6,15 +6,15 @@ GTSAM's. Ties are written anew, as the long rows that they are.
 
 import numpy as np
 import pytest
+from bench._joint import given
 
-from springline.estimation import Inertial, JointOptions, Rings, Ties
+from springline.estimation import JointOptions
 from springline.estimation.iterate import iterate
 from springline.estimation.joint import _set_up
 from springline.estimation.solver import Normal
 from springline.estimation.spill import Spill
 from springline.estimation.states import AXIS, BLOCK, CLOCK, ORIGIN, SCALARS, State, place
 from springline.estimation.torus import bend_terms
-from springline.geometry.fitting import fit_ellipses_to_ranges
 from springline.simulate import parse, simulate
 
 gtsam = pytest.importorskip("gtsam", reason="GTSAM is not installed: pip install gtsam==4.3.0")
@@ -53,13 +53,8 @@ SCALAR_KEY = 10_000
 def solved():
     """Return problem and solution of a short survey."""
     made = simulate(parse(SCENARIO), seed=2)
-    data, known = made.rings, made.ties
-    fits = fit_ellipses_to_ranges(data["range"].values, data["bearing"].values)
-    rings = Rings(data["distance"].values, fits.parameters, fits.covariance, data["time"].values)
-    log = Inertial(*(made.inertial[name].values for name in ("time", "gyro", "accel")))
-    points = np.stack([known[name].values for name in ("easting", "northing", "elevation")], axis=1)
     options = JointOptions(knot_step=0.1, tolerance=1e-4, iterations=40)
-    problem, state = _set_up(rings, log, Ties(known["distance"].values, points, known["sigma"].values), options)
+    problem, state = _set_up(*given(made), options)
     solution = iterate(problem, state, lambda now: bend_terms(problem, now), Spill(on_disk=False))
     assert solution.converged
     return problem, solution
