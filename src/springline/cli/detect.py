@@ -181,18 +181,19 @@ def _tell(
     why: str,
 ) -> None:
     kinds = Counter(one.kind for _, one in rows)
+    more = ([why] if why else []) + ([] if placed is None else placed.warnings)
     on_pipe = Counter() if placed is None else Counter(placed.features["kind"].values.astype(str).tolist())
     if as_json:
         found = {"frames": read, "skipped": len(warnings), "joints": kinds["joint"], "laterals": kinds["lateral"]}
         if placed is not None:
             found["placed"] = {"joints": on_pipe["joint"], "laterals": on_pipe["lateral"]}
             found["assumptions"] = placed.assumptions
-        print_json(found | {"warnings": warnings + ([why] if why else []), "output": str(output)})
+        print_json(found | {"warnings": warnings + more, "output": str(output)})
         return
     for sentence in warnings:
         sys.stderr.write(f"warning: skipped: {sentence}\n")
-    if why:
-        sys.stderr.write(f"warning: {why}\n")
+    for sentence in more:
+        sys.stderr.write(f"warning: {sentence}\n")
     for sentence in () if placed is None else placed.assumptions:
         sys.stderr.write(f"assumed: {sentence}\n")
     skipped = f", {len(warnings)} skipped" if warnings else ""
