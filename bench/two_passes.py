@@ -34,9 +34,9 @@ run = [
 ]
 joints = {{ spacing = 2.5, gap = "4mm", kink_sigma_deg = 0.1 }}
 [[pipe.section]]
-shape = "ellipse"
-semi_major = {{ mean = 0.153, amplitude = 0.001, period = {period} }}
-semi_minor = 0.148
+shape = "mode"
+mode = 1
+s1 = {{ mean = 0.97, amplitude = 0.005, period = {period} }}
 axis_deg = 20.0
 [robot]
 length = 0.5

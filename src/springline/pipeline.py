@@ -22,7 +22,8 @@ from .stages.overrides import corrections, masks
 from .stages.passes import joined
 from .stages.ring_video import ring_video
 from .stages.rings import rings
-from .survey import add_run, validate
+from .stages.turning import out_and_back
+from .survey import add_run, add_warning, validate
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
@@ -46,7 +47,8 @@ def inspect(
     Args:
         survey: As `springline.read` returns it; results of an earlier run are left aside and made anew.
         config: Settings; the defaults when not given.
-        back: The same pipe driven from its other end; section and centreline are then of both passes.
+        back: The same pipe driven from its other end; section and centreline are then of both passes. A survey
+            whose counter comes back is parted into two passes by itself.
         checks: Names of acceptance rules to judge; their verdicts stand in the attribute `rules`.
         progress: Called with a stage's name and the share of the chain done, from 0 to 1.
 
@@ -65,6 +67,9 @@ def inspect(
     True
     """
     config, rules = config or Config(), [load_rule(name) for name in checks]
+    apart = back is not None
+    if back is None:
+        survey, back = out_and_back(survey)
     survey = add_run(validate(survey.source()), version=__version__, config=config.model_dump(mode="json"))
     survey = _measurable(facing(apply_calibration(ring_video(survey, config))))
     for done, stage in enumerate(STAGES):
@@ -72,12 +77,22 @@ def inspect(
             progress(stage.__name__, done / len(STAGES))
         survey = stage(survey, config)
         if stage is estimate and back is not None:
-            survey = joined(survey, _estimated(back, config))
+            survey = _joined(survey, back, config, apart=apart)
     if rules:
         survey = judge(survey, rules)
     if progress:
         progress("done", 1.0)
     return survey
+
+
+def _joined(survey: Survey, back: Survey, config: Config, *, apart: bool) -> Survey:
+    """Return both passes as one; a way back in the same run that cannot be joined is left aside, and said."""
+    try:
+        return joined(survey, _estimated(back, config))
+    except InputError as error:
+        if apart:
+            raise
+        return add_warning(survey, f"The way back was left aside: {error}")
 
 
 def _estimated(survey: Survey, config: Config) -> Survey:

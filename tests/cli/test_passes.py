@@ -61,11 +61,33 @@ def test_a_back_pass_that_cannot_be_used_is_an_error_of_the_input(files, tmp_pat
         assert not (tmp_path / "out").exists()
 
 
-def test_a_counter_that_comes_back_is_refused_where_it_turns(tmp_path):
-    rows = [(d, *[150.0] * 24) for d in (*range(20), *range(18, -1, -1))]
+def ring_table(path, distances):
     header = ",".join(["distance_m", *(f"r_{k}_mm" for k in range(24))])
-    (tmp_path / "rings.csv").write_text("\n".join([header, *(",".join(map(str, row)) for row in rows)]) + "\n")
-    done = run("inspect", tmp_path / "rings.csv", "-o", tmp_path / "out")
+    rows = [",".join(map(str, (d, *[150.0 + (k * 7 + d) % 3 for k in range(24)]))) for d in distances]
+    path.write_text("\n".join([header, *rows]) + "\n")
+    return path
+
+
+def test_a_counter_that_comes_back_makes_two_passes_or_says_why_not(tmp_path):
+    table = ring_table(tmp_path / "rings.csv", (*range(20), *range(18, -1, -1)))
+    done = run("inspect", table, "-o", tmp_path / "out")
+    assert done.returncode == 0, done.stderr
+    assert "The counter goes out to 19.00 m and comes back" in done.stderr
+    assert "The way back was left aside: " in done.stderr
+    assert json.loads((tmp_path / "out" / "summary.json").read_text())["stations"] == 20
+
+
+@pytest.mark.parametrize(
+    ("distances", "row"),
+    [
+        ((*range(20), *range(18, 12, -1)), 22),
+        ((*range(20), *range(18, 3, -1), *range(5, 15)), 22),
+        ((*range(15), 14, *range(15, 30)), 17),
+        ((*range(15), 12.5, *range(15, 30)), 17),
+    ],
+)
+def test_counters_that_go_elsewhere_are_refused_with_the_row(tmp_path, distances, row):
+    done = run("inspect", ring_table(tmp_path / "rings.csv", distances), "-o", tmp_path / "out")
     assert done.returncode == 2
-    assert "row 22" in done.stderr
-    assert "--back takes the second" in done.stderr
+    assert f"row {row}" in done.stderr
+    assert "come back once" in done.stderr

@@ -23,9 +23,9 @@ run = [
     {{ kind = "straight", length = 3.0 }},
 ]
 [[pipe.section]]
-shape = "ellipse"
-semi_major = {{ mean = 0.153, amplitude = 0.001, period = 4.0 }}
-semi_minor = 0.148
+shape = "mode"
+mode = 1
+s1 = {{ mean = 0.97, amplitude = 0.008, period = 5.0 }}
 axis_deg = 20.0
 [robot]
 length = 0.5
@@ -135,6 +135,29 @@ def test_without_ties_the_sections_themselves_tell_the_place():
     error, sigma = errors(both, out.truth)["diameter_x"]
     assert rms(error) < 0.05e-3
     assert np.mean(np.abs(error) < 1.96 * sigma) > 0.8
+
+
+def test_one_run_that_comes_back_is_two_passes():
+    made = simulate(parse(SCENARIO.format(back="false\nreturns = true")), seed=60)
+    distance, time = made.rings["distance"].values, made.rings["time"].values
+    turn = int(np.argmax(distance))
+    assert abs(distance[-1]) < 0.1
+    assert (np.diff(time) > 0.0).all() and (np.diff(made.inertial["time"]) > 0.0).all()
+    both = sl.inspect(made)
+    assert both.section.sizes["station"] == turn + 1
+    assert any("joined by ties of both" in one for one in both.assumptions)
+    half = {
+        "rings": made.rings.isel(ring=slice(0, turn + 1)),
+        "inertial": made.inertial.isel(sample=made.inertial["time"].values <= time[turn + 1]),
+        "ties": made.ties,
+    }
+    alone = sl.inspect(sl.Survey(half, made.attrs))
+    ratio = both.section["covariance"].values[:, 0, 0] / alone.section["covariance"].values[:, 0, 0]
+    assert 0.35 < np.median(ratio) < 0.75
+    for name in ("diameter_x", "diameter_y"):
+        error, sigma = errors(both, made.truth)[name]
+        assert rms(error) < 1.2 * rms(errors(alone, made.truth)[name][0])
+        assert rms(error / sigma) < 3.0
 
 
 def test_passes_of_two_pipes_are_not_joined():

@@ -12,6 +12,7 @@ import xarray as xr
 from ..conventions import BEARING_SENSES, BEARING_ZEROS
 from ..errors import FormatError, InputError
 from ..survey import Survey, add_assumption
+from ..survey.turning import FEWEST, turn_of
 from .columns import Column, base_quantity, factor, find, parse_column
 from .long_rings import read_long
 from .ring_units import check_nominal, range_unit
@@ -160,7 +161,7 @@ def _check_distance(arrays: RingArrays, path: Path) -> None:
         )
     steps = np.diff(arrays.distance)
     wrong = np.flatnonzero(steps <= 0)
-    if not wrong.size:
+    if not wrong.size or turn_of(arrays.distance) is not None:
         return
     k = int(wrong[0]) + 1
     word = "repeats" if steps[k - 1] == 0 else "goes back"
@@ -171,7 +172,8 @@ def _check_distance(arrays: RingArrays, path: Path) -> None:
         expected="distances that strictly increase",
         mend="reverse the order of the rings"
         if whole
-        else "split out-and-back runs into two tables (--back takes the second), and drop rings taken at a standstill",
+        else f"a run may come back once, with {FEWEST} rings or more either way; split others, and drop rings taken "
+        "at a standstill",
     )
 
 

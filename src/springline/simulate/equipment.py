@@ -60,6 +60,7 @@ class Robot(Part):
     climb_deg: Varying = Field(0.0, description="kinematic: angle about the pipe's axis by which it climbs sideways")
     side_slip_deg: Small = Field(0.0, description="nose right of where it goes")
     from_end: bool = Field(False, description="drive from the pipe's end to its start")
+    returns: bool = Field(False, description="drive out and be pulled back, the counter coming back too")
     backwards: bool = Field(False, description="its nose points against its travel, as when it is pulled back")
     start: Length | None = Field(None, description="distance from where it enters; default: half its length")
     end: Length | None = None

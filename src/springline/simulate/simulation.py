@@ -10,7 +10,7 @@ from pathlib import Path
 
 import xarray as xr
 
-from ..survey import Survey, add_assumption, save_blocks
+from ..survey import Survey, add_assumption, save_blocks, save_survey
 from ..survey.files import replacing
 from .camera import Footage
 from .camera.outlines import outline_blocks
@@ -18,10 +18,14 @@ from .camera.writing import write_frames
 from .depth import depth_cloud
 from .inertial import inertial_blocks
 from .reading import load
+from .returning import returned, ways
 from .rings import ring_blocks
 from .scenario import Scenario
 from .truth import pipe_truth, ties
 from .world import World, set_up
+
+_RETURN = 1 << 20
+"""What the seed of a way back is above that of the way out."""
 
 Blocks = Iterator[dict[str, xr.Dataset]]
 
@@ -50,6 +54,9 @@ def simulate(scenario: str | Path | Scenario, seed: int = 0) -> Survey:
     (360, 0.3)
     """
     checked = load(scenario)
+    if checked.robot.returns:
+        out, back = ways(checked)
+        return returned(out, seed, simulate(out, seed), simulate(back, seed + _RETURN))
     parts: dict[str, list[xr.Dataset]] = {}
     for block in blocks(set_up(checked, seed)):
         for name, data in block.items():
@@ -81,6 +88,9 @@ def simulate_to(
         OutputError: `path` exists without `force`, or the disk refuses.
     """
     checked, path = load(scenario), Path(path)
+    if checked.robot.returns:
+        save_survey(simulate(checked, seed), path, force=force)
+        return path
     world = set_up(checked, seed)
     if checked.camera is None:
         return _stream(path, world, "frames", force, progress or _silent)

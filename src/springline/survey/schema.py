@@ -8,6 +8,7 @@ import numpy as np
 
 from ..conventions import GROUPS
 from ..errors import ContractError, InputError, nearest
+from .turning import FEWEST, turn_of
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -20,7 +21,8 @@ def validate(survey: Survey, *, where: str = "survey") -> Survey:
     """Return the survey when it follows the contract.
 
     Checked: every variable is known, has its dims and a fitting type, required ones are there; distances of rings
-    are finite and never turn or repeat, and increase unless the robot faced backwards; rings hold at least one return.
+    are finite, never repeat, turn once at most, and increase unless the robot faced backwards; rings hold at least one
+    return.
 
     Args:
         survey: The survey.
@@ -68,17 +70,18 @@ def _check_rings(rings: xr.Dataset, where: str, *, back: bool) -> None:
         row = int(np.flatnonzero(~np.isfinite(distance))[0])
         raise InputError("the distance is not a number", where=f"{where}, ring {row}")
     steps = np.diff(distance)
-    if (steps <= 0).any() and (steps >= 0).any():
+    turned = turn_of(distance) is not None
+    if (steps <= 0).any() and (steps >= 0).any() and not turned:
         row = int(np.flatnonzero(steps * np.sign(distance[-1] - distance[0] or 1.0) <= 0)[0]) + 1
         word = "repeats" if steps[row - 1] == 0 else "goes back"
         raise InputError(
             f"the distance {word}: {distance[row - 1]:g} m, then {distance[row]:g} m",
             where=f"{where}, ring {row}",
             expected="distances that strictly increase",
-            mend="split an out-and-back run into two surveys, of which --back takes the second; drop rings taken at a "
-            "standstill",
+            mend=f"a run may come back once, with {FEWEST} rings or more either way; split others, and drop rings "
+            "taken at a standstill",
         )
-    if (steps < 0).any() and not back:
+    if (steps < 0).any() and not (back or turned):
         raise InputError(
             f"distances decrease from {distance[0]:g} to {distance[-1]:g} m",
             where=where,
