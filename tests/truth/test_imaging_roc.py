@@ -34,3 +34,9 @@ def test_blobs_on_the_wall_are_told_apart_when_the_pose_is_known():
     lateral = _scores("lateral", "size", 0.0, "reprojection", 40, 5)
     blobs = _scores("blob", "size", 0.0, "reprojection", 40, 6)
     assert auc(lateral, blobs) >= 0.95
+
+
+def test_half_of_a_blob_is_no_half_of_a_lateral_though_the_pose_errs():
+    lateral = _scores("lateral", "all", 0.5, "reprojection", 20, 7)
+    blobs = _scores("blob", "all", 0.5, "reprojection", 20, 8)
+    assert auc(lateral, blobs) >= 0.9

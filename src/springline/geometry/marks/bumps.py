@@ -12,6 +12,8 @@ if TYPE_CHECKING:
 _EDGE = 0.1
 _CORE = 0.6
 _SMALL, _LARGE = 30, 60
+_TAKEN_UP = 0.35
+"""Part of the variance that neighbours share which the lowest place of the surface has, measured on simulated pipes."""
 
 
 class Bump(NamedTuple):
@@ -88,7 +90,7 @@ def size_bump(
             break
     along, round_ = _extent(x, bearing, height, at, half, depth)
     share = np.maximum(alike, 1.0)
-    sigma = np.sqrt(variance * share + (0.15 * noise) ** 2)
+    sigma = np.sqrt(variance * (1.0 + _TAKEN_UP * (share - 1.0)) + (0.15 * noise) ** 2)
     rough = 0.4 * noise * np.sqrt(share)
     extent_sigma = np.hypot([_step(x), _step(bearing)], np.sqrt(2.0) * rough * np.array([along[2], round_[2]]))
     place = np.sqrt(share) * place_sigma * half

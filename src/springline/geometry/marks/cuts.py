@@ -57,7 +57,7 @@ def cut_ends(
     place, bearings = np.asarray(place, float), np.asarray(bearings, float)
     part = np.unique(np.linspace(0, len(bearings) - 1, min(_MOST, len(bearings))).astype(int))
     inside, known, theta = inside[:, part], known[:, part], bearings[part]
-    spacing = float(np.median(np.diff(place)))
+    spacing = max(float(np.median(np.diff(place))), 1e-6)
     random = np.random.default_rng(3)
     moves = random.standard_normal((_STEPS, 6)) * spacing * random.choice([0.3, 0.1, 0.03], (_STEPS, 1))
     # both ends together, or one alone

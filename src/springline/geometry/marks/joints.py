@@ -14,6 +14,8 @@ if TYPE_CHECKING:
 
     from .edges import Edge
 
+_LEAST_SPACING = 1e-6
+"""For robots that stand [m]."""
 _FEW, _WHOLE = 8, 0.9
 """Bearings that must see into a joint, and their share from which rings stand in it as a whole."""
 _STRAIGHT = 0.1
@@ -85,14 +87,14 @@ def size_gap(
     with np.errstate(invalid="ignore"):
         lower = np.minimum(before, after)
     rest = lower[known & (lower > 4.0 * noise)]
-    if not len(rest):
+    if not len(rest) or len(place) < 3:
         return None
     depth = float(np.quantile(rest, 0.75))
     with np.errstate(invalid="ignore"):
         first = crossings(before > 0.5 * depth, known, place)
         last = crossings((after > 0.5 * depth)[::-1], known[::-1], place[::-1])
     inside = rest[rest > 0.5 * depth]
-    spacing = float(np.median(np.abs(np.diff(place))))
+    spacing = max(float(np.median(np.abs(np.diff(place)))), _LEAST_SPACING)
     cut = known & (lower > 0.5 * depth)
     met = cut.any(axis=0)
     if _FEW <= met.sum() < _WHOLE * known.any(axis=0).sum() and np.median(cut.sum(axis=0)[met]) < 2:

@@ -25,7 +25,8 @@ _OPEN = 0.02
 _INTRUSION = 0.7
 _LOWER_THIRD = np.radians(60.0)
 _KIND_SURE = 0.8
-_SURE = 4.0
+_SURE, _SURE_DEPTH = 4.0, 6.0
+"""Sigmas by which a bore must be wide, and a bump deep, to be reported."""
 _BLUR, _UNSURE = 0.75, 0.05
 _INVERT, _AT_INVERT = -0.64, 0.4
 """Sine of the bearing below which an opening is doubted, and by how much: there water and beds mislead rings."""
@@ -225,7 +226,9 @@ class Sizer:
             noise=float(np.median(wall.noise[patch.rows])),
             alike=patch.alike,
         )
-        if found is None or -found.depth[0] < max(self.settings.least_depth * wall.diameter, _SURE * found.depth[1]):
+        if found is None or -found.depth[0] < max(
+            self.settings.least_depth * wall.diameter, _SURE_DEPTH * found.depth[1]
+        ):
             return None
         if not np.isfinite([*found.depth, *found.length, *found.span]).all():
             return None
