@@ -167,6 +167,14 @@ def test_passes_of_two_pipes_are_not_joined():
         sl.inspect(sl.Survey({"rings": out.rings}, out.attrs), back=sl.Survey({"rings": rings}, back.attrs))
 
 
+def test_passes_whose_ties_lie_apart_are_not_joined():
+    out, back = passes(96)
+    moved = back.ties.assign(easting=back.ties["easting"] + 500.0, northing=back.ties["northing"] + 500.0)
+    groups = {name: back.group(name) for name in back.groups} | {"ties": moved}
+    with pytest.raises(InputError, match="no place in common"):
+        sl.inspect(out, back=sl.Survey(groups, back.attrs))
+
+
 def test_a_pass_that_lies_elsewhere_is_said():
     out, back = passes(97)
     moved = back.ties.assign(elevation=back.ties["elevation"] + 0.2)

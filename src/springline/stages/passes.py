@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from dataclasses import dataclass
 
 import numpy as np
@@ -32,7 +31,6 @@ class _Pass:
     """One pass, in the out pass's frame and sense of travel; arrays run over its stations, chainage increasing."""
 
     chainage: np.ndarray
-    sigma: np.ndarray
     section: np.ndarray
     covariance: np.ndarray
     layout: xr.Dataset | None
@@ -66,11 +64,13 @@ def joined(out: Survey, back: Survey) -> Survey:
             (second.chainage, second.section, second.covariance),
             _REACH,
         )
-    if found is None:
+    if found is None or not np.isfinite(found.place).any():
+        why = "their sections agree nowhere better than elsewhere"
+        why = "by their ties they have no place in common" if by_ties else why
         raise InputError(
-            "the back pass cannot be laid on the out pass: their sections agree nowhere better than elsewhere",
+            f"the back pass cannot be laid on the out pass: {why}",
             where=str(back.attrs.get("name", "--back")),
-            expected="ties in both passes, or a pipe whose section changes along it",
+            expected="two passes of one pipe, with ties in both, or a section that changes along it",
         )
     survey, misfit = _sections(out, first, second, found)
     survey = add_warning(survey, *(f"Back pass: {sentence}" for sentence in back.warnings))
@@ -81,8 +81,8 @@ def joined(out: Survey, back: Survey) -> Survey:
     survey = add_assumption(
         survey,
         f"Out and back passes were joined by {how}, to within {within:.0f} mm along the pipe: "
-        f"{'section and centreline' if by_ties else 'the section'} is of both; pose, bends, sags and angles at joints "
-        "are of the out pass.",
+        f"{'section and centreline are' if by_ties else 'the section is'} of both; pose, bends, sags and angles at "
+        "joints are of the out pass.",
     )
     if misfit > _MISFIT:
         survey = add_warning(
@@ -99,10 +99,8 @@ def _tied(survey: Survey) -> bool:
 
 def _pass(survey: Survey, layout: xr.Dataset | None) -> _Pass:
     section = survey.section
-    sigma = section["chainage_sigma"].values if "chainage_sigma" in section else np.zeros(section.sizes["station"])
     return _Pass(
         section["chainage"].values.astype(float),
-        np.nan_to_num(sigma),
         section["parameters"].values.astype(float),
         section["covariance"].values.astype(float),
         layout,
@@ -115,7 +113,6 @@ def _turned(back: _Pass, out: Survey) -> _Pass:
     order = slice(None, None, -1)
     return _Pass(
         chainage[order],
-        back.sigma[order],
         (back.section * _TURNED)[order],
         (back.covariance * _TURNED[:, None] * _TURNED)[order],
         None if back.layout is None else back.layout.isel(station=order),
@@ -241,13 +238,12 @@ def _say_apart(survey: Survey, chainage: np.ndarray, apart: np.ndarray, spread: 
     worst = int(np.argmax(square))
     if square[worst] <= _APART**2:
         return survey
-    reasons = json.loads(survey.layout.attrs.get("why_missing", "{}"))
     widened = survey.layout.assign(
         {
             f"{name}_sigma": ("station", np.hypot(survey.layout[f"{name}_sigma"].values, 0.5 * np.abs(apart[worst, k])))
             for k, name in enumerate(_AXES)
         }
-    ).assign_attrs(why_missing=json.dumps(reasons))
+    )
     return add_warning(
         survey.corrected("layout", widened),
         f"The centrelines of out and back pass lie {1e3 * np.linalg.norm(apart[worst]):.0f} mm apart at "
