@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..survey import Survey, add_assumption, add_warning
+from ..survey import Survey, add_assumption
 from ..survey.overrides import changes
 from ..survey.turning import turn_of
 
@@ -48,5 +48,5 @@ def out_and_back(survey: Survey) -> tuple[Survey, Survey | None]:
         "taken as a second pass, the robot facing as before.",
     )
     if changes(survey, "mask"):
-        out = add_warning(out, "Masks by hand hold for the way out alone.")
+        out = add_assumption(out, "Masks by hand hold for the way out alone.")
     return out, Survey(ways[1], survey.attrs).with_attrs(facing="backwards", overrides=None)

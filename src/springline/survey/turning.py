@@ -24,7 +24,7 @@ def turn_of(distance: np.ndarray) -> int | None:
         return None
     last = int(np.argmax(distance))
     steps = np.diff(distance)
-    # Both rings beside the turn may stand at one place.
-    out, back = steps[:last], steps[last + 1 :] if steps[last : last + 1].any() else steps[last + 2 :]
+    # The two rings beside the turn may stand at one place.
+    out, back = steps[:last], steps[last + 1 :]
     enough = last + 1 >= FEWEST and len(distance) - last - 1 >= FEWEST
     return last if enough and (out > 0.0).all() and (back < 0.0).all() else None
