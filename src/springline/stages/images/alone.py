@@ -22,7 +22,6 @@ if TYPE_CHECKING:
 
 _OFFSET = 0.06
 _TILT = 0.02
-_NAMED = 5
 
 
 def images_alone(survey: Survey, config: Config) -> Survey:
@@ -45,20 +44,13 @@ def images_alone(survey: Survey, config: Config) -> Survey:
     film, diameter = _needed(survey)
     radius = 0.5 * diameter
     looking = Looking(film.paths, film.folder, film.cameras, _views(film, radius), radius)
-    troubles = [f"{path} (it has no distance)" for path in film.paths[film.usable & np.isnan(film.distance)]]
     looking.everywhere([])
     places = [
         Place("joint", one.x, 0.0, one.log_odds) for one in looking.sightings() if one.kind == "joint"
     ]  # fmt: skip
     looking.again(spaced_joints(places))
-    troubles += looking.troubles
     survey = survey.with_group("features", features_of_images(looking, config.detect.least_confidence))
-    if troubles:
-        rest = f" and {len(troubles) - _NAMED} more" if len(troubles) > _NAMED else ""
-        survey = add_warning(
-            survey,
-            f"{len(troubles)} of {int(film.usable.sum())} frames were left out: {'; '.join(troubles[:_NAMED])}{rest}.",
-        )
+    survey = add_warning(survey, *looking.left_out(film.usable))
     return add_assumption(
         survey,
         f"Without a scan the pipe is taken as round, {1e3 * diameter:.0f} mm wide, and the camera as driving along its "

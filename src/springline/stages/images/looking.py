@@ -31,6 +31,7 @@ _LEAST_HALF_VIEW, _MOST_HALF_VIEW = 0.3, 1.2
 _MATCHED = 1.0
 _MISSED = 0.5
 _MOST = 8.0
+_NAMED = 5
 
 
 class Looking:
@@ -113,6 +114,19 @@ class Looking:
         view = tuple(end / self.radius for end in self.view["lateral"])
         return put_together(self.marks, self.views.x[sorted(self.looked)], self.radius, view=view)
 
+    def left_out(self, usable: np.ndarray) -> list[str]:
+        """Return a sentence that names the frames that could not be used; none where all could.
+
+        Args:
+            usable: (frame,) those that a described camera took.
+        """
+        without = self.paths[usable & np.isnan(self.views.x)]
+        troubles = [f"{path} (it has no distance)" for path in without] + self.troubles
+        if not troubles:
+            return []
+        more = f" and {len(troubles) - _NAMED} more" if len(troubles) > _NAMED else ""
+        return [f"{len(troubles)} of {int(usable.sum())} frames were left out: {'; '.join(troubles[:_NAMED])}{more}."]
+
     @property
     def _tried(self) -> set[int]:
         return self.looked | self._broken
@@ -165,7 +179,10 @@ class Looking:
                 if isinstance(picture, InputError):
                     raise picture
                 if picture.shape[1::-1] != camera.size:
-                    raise InputError(f"it is {picture.shape[1]} by {picture.shape[0]}, its lens {camera.size}")
+                    wide, high = camera.size
+                    raise InputError(
+                        f"it is {picture.shape[1]} by {picture.shape[0]}, its lens is for {wide} by {high}"
+                    )
             except InputError as refusal:
                 self.troubles.append(f"{self.paths[at]} ({refusal.what})")
                 self._broken.add(at)

@@ -18,8 +18,6 @@ if TYPE_CHECKING:
     from ...config import Config
     from ...survey import Survey
 
-_NAMED = 5
-
 
 def images(survey: Survey, config: Config) -> Survey:
     """Return the survey with what its frames show added to `/candidates` and `/features`.
@@ -45,7 +43,6 @@ def images(survey: Survey, config: Config) -> Survey:
     views = views_of(survey, film.distance, film.cameras)
     places = places_of(survey, radius)
     looking = Looking(film.paths, film.folder, film.cameras, views, radius)
-    looking.troubles += [f"{path} (it has no distance)" for path in film.paths[film.usable & np.isnan(film.distance)]]
     try:
         if config.detect.every_frame:
             looking.everywhere(places)
@@ -53,7 +50,7 @@ def images(survey: Survey, config: Config) -> Survey:
             looking.at_places(places)
     except MissingExtraError as missing:
         return add_warning(survey, f"The frames were not looked at: {missing}")
-    survey = _told(survey, looking, int(film.usable.sum()))
+    survey = _told(survey, looking, film.usable)
     seen = looking.sightings()
     survey = survey.corrected("candidates", with_candidates(survey, seen, film.paths))
     least = config.detect.least_confidence
@@ -67,17 +64,13 @@ def _radius(survey: Survey) -> float:
     return 0.5 * float(np.median(width)) if len(width) else np.nan
 
 
-def _told(survey: Survey, looking: Looking, usable: int) -> Survey:
+def _told(survey: Survey, looking: Looking, usable: np.ndarray) -> Survey:
     """The survey with what was left out and what was assumed."""
-    if looking.troubles:
-        named, more = looking.troubles[:_NAMED], len(looking.troubles) - _NAMED
-        rest = f" and {more} more" if more > 0 else ""
-        survey = add_warning(
-            survey, f"{len(looking.troubles)} of {usable} frames were left out: {'; '.join(named)}{rest}."
-        )
+    survey = add_warning(survey, *looking.left_out(usable))
     if looking.looked:
         survey = add_assumption(
-            survey, f"{len(looking.looked)} of {usable} frames were looked at, where geometry proposes something."
+            survey,
+            f"{len(looking.looked)} of {int(usable.sum())} frames were looked at, where geometry proposes something.",
         )
     if looking.looked and looking.views.level is not None:
         survey = add_assumption(
