@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from bench._joint import given
+from bench._joint import given, true_radii
 
 import springline as sl
 from springline.estimation import Inertial, estimate_joint
@@ -62,7 +62,9 @@ def test_a_boresight_taken_out_leaves_neither_section_nor_attitude_wrong(weave):
     found = estimate_joint(rings, Inertial(time, on_scanner(gyro, BORESIGHT), on_scanner(accel, BORESIGHT)), ties)
     robot, covariance = robot_attitude(found.pose[:, 2:], BORESIGHT, found.pose_covariance[:, 2:, 2:])
     true = np.stack([truth[name].values for name in ("pitch", "yaw", "roll")], axis=1)
-    assert ovality_error(found, truth) < 0.01 < 0.5 * ovality_error(blind, truth)
+    assert ovality_error(found, truth) < 0.01
+    # Blind, the estimate takes the scanner's yaw against the robot for the robot's own against the pipe.
+    assert abs(np.mean(blind.pose[:, 3] - true[:, 1])) > np.radians(0.6)
     error = np.abs(np.mean(robot - true, axis=0))
     assert np.all(error < 3.0 * np.sqrt(np.mean(np.einsum("nii->ni", covariance), axis=0)))
     assert np.all(error < np.radians(0.2))
@@ -72,11 +74,14 @@ def test_an_inspection_uses_the_boresight_of_a_calibration():
     made = simulate(parse(SCENARIO.replace("length = 10.0", "length = 6.0").replace("0.25, 9.7", "0.25, 5.7")), seed=1)
     attrs = dict(zip(("boresight_pitch", "boresight_yaw", "boresight_roll"), BORESIGHT, strict=True))
     told = made.corrected("rings", made.rings.assign_attrs(attrs))
-    errors = []
+    truth, errors = made.truth, []
     for survey in (made, told):
-        found, truth = sl.inspect(survey), made.truth
-        true = [np.interp(truth["ring_chainage"], truth["chainage"], truth[f"diameter_{axis}"]) for axis in "xy"]
-        true = np.abs(true[0] - true[1]) / (true[0] + true[1])
-        seen = np.hypot(found.section["parameters"].values[:, 1], found.section["parameters"].values[:, 2])
-        errors.append(100.0 * np.sqrt(np.nanmean((seen / found.section["parameters"].values[:, 0] - true) ** 2)))
-    assert errors[1] < 0.012 < 0.6 * errors[0]
+        found = sl.inspect(survey)
+        shape = found.section["parameters"].values
+        across, up = true_radii(truth).T
+        wrong = np.hypot(shape[:, 1], shape[:, 2]) / shape[:, 0] - np.abs(across - up) / (across + up)
+        assert 100.0 * np.sqrt(np.nanmean(wrong**2)) < 0.012
+        # The pose is the scanner's, and no accelerometer is as wrong as one read on axes half a degree off.
+        errors.append(abs(np.mean(found.pose["pitch"].values - truth["pitch"].values) - BORESIGHT[0]))
+    assert errors[1] < np.radians(0.15)
+    assert errors[0] > np.radians(0.25)
