@@ -134,10 +134,16 @@ class Truth:
         return np.array(errors).reshape(-1, 3), false, len(x) - len(used)
 
 
-def listed(features) -> dict[str, list[tuple[float, float, float, float]]]:
-    """Return what `/features` holds, by kind."""
-    rows = zip(*(features[n].values for n in ("chainage", "bearing", "size", "confidence")), strict=True)
+def listed(result: Survey) -> dict[str, list[tuple[float, float, float, float]]]:
+    """Return what `/features` holds, by kind; chainage by the counter, where stations tell what it read."""
+    features = result.features
+    x = features["chainage"].values
+    if result.has("section"):
+        place, distance = (result.section[name].values for name in ("chainage", "distance"))
+        beyond = x - np.clip(x, place[0], place[-1])
+        x = np.interp(x, place, distance) + beyond + float(result.rings.attrs.get("position_x", 0.0))
     by_kind: dict[str, list[tuple[float, float, float, float]]] = {kind: [] for kind in CODES}
+    rows = zip(x, *(features[name].values for name in ("bearing", "size", "confidence")), strict=True)
     for kind, row in zip(features["kind"].values.astype(str), rows, strict=True):
         if kind in by_kind:
             by_kind[kind].append(tuple(map(float, row)))
@@ -174,7 +180,8 @@ def study(scenario: Scenario, seed: int, folder: Path, rows: tuple[str, ...]) ->
     if {"rings", "chosen", "every"} & set(rows):
         scan = {name: survey.group(name) for name in ("rings", "inertial") if survey.has(name)}
         base = inspect(Survey(scan, survey.attrs), Config())
-    pose = ", poses by the joint estimate" if "inertial" in survey.groups else ""
+    jointly = base is not None and np.isfinite(base.pose["roll"].values).any()
+    pose = ", poses by the joint estimate" if jointly else ""
     print(f"\nPipe {scenario.pipe.seed}, noise {seed}, {len(footage)} frames{pose}\n")
     print("| by | kind | there | found | false | recall | precision | x, 95 % | clock, 95 % | size, 95 % | frames |")
     print("|---|---|---|---|---|---|---|---|---|---|---|")
@@ -200,17 +207,17 @@ def study(scenario: Scenario, seed: int, folder: Path, rows: tuple[str, ...]) ->
 
 def _found(row: str, base: Survey | None, survey: Survey, footage: Footage, seed: int):
     if row == "rings":
-        return listed(base.features), "0 %"
+        return listed(base), "0 %"
     if row == "given":
         return by_given_pose(survey, footage, seed), "100 %"
     if row == "alone":
         alone = Survey({"frames": survey.frames, "calibration": survey.calibration}, survey.attrs)
-        return listed(images_alone(alone, Config()).features), "100 %"
+        return listed(images_alone(alone, Config())), "100 %"
     filled = base.with_group("frames", survey.frames).with_group("calibration", survey.calibration)
     result = images(filled, Config(detect=DetectConfig(every_frame=row == "every")))
     told = [one for one in result.assumptions if "frames were looked at" in one]
     looked, _, of = told[0].split()[:3] if told else ("0", "", "1")
-    return listed(result.features), f"{100 * int(looked) / int(of):.1f} %"
+    return listed(result), f"{100 * int(looked) / int(of):.1f} %"
 
 
 def main() -> None:
