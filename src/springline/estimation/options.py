@@ -65,3 +65,5 @@ class JointOptions:
             value = getattr(self, field.name)
             if not value > 0:
                 raise ParameterError(f"{field.name} is {value}", expected="a number above zero")
+        if not self.unsure > 1.0:
+            raise ParameterError(f"unsure is {self.unsure}", expected="a factor above one")
