@@ -3,7 +3,7 @@
 Every run is another pipe, with biases, scale, side-slip and the mount of the rear scanner drawn anew from what the
 estimator is told of them. Quantities of a station are pooled over the stations of all runs. Without an inertial log the
 pipe is straight, as it is taken to be, and tilt is told in the robot's own upright. The table goes into
-`docs/estimator.md`, between its marks. `SPRINGLINE_RUNS` says how many runs (default 40), `SPRINGLINE_FIRST` which seed
+`docs/estimator.md`, between its marks. `SPRINGLINE_RUNS` says how many runs (default 20), `SPRINGLINE_FIRST` which seed
 comes first.
 """
 
@@ -205,7 +205,7 @@ def table(single: list[Errors], double: list[Errors]) -> str:
 
 def main() -> None:
     """Print the table and put it into the page."""
-    runs, first = (int(os.environ.get(f"SPRINGLINE_{name}", n)) for name, n in (("RUNS", 40), ("FIRST", 1)))
+    runs, first = (int(os.environ.get(f"SPRINGLINE_{name}", n)) for name, n in (("RUNS", 20), ("FIRST", 1)))
     both = [run(seed) for seed in range(first, first + runs)]
     text = table([one for one, _ in both], [two for _, two in both])
     print(text)
