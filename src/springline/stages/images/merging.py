@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from .places import Place
 
 _AGREES = 3.0
+_UNPROPOSED = 1.0  # log odds against a lateral for which nothing but frames speaks, and every frame was looked at
 _LEAST_TURN = math.radians(0.3)
 
 
@@ -117,7 +118,8 @@ def features_of_images(looking: Looking, least: float) -> xr.Dataset:
         one.name: ("feature", np.zeros(0, {"str": "U1", "int64": np.int64}.get(one.dtype, float)))
         for one in GROUPS["features"].variables
     }
-    rows = [_row(one, looking, one.probability) for one in looking.sightings() if one.probability >= least]
+    sure = {one: _probable(one.log_odds - _UNPROPOSED * (one.kind == "lateral")) for one in looking.sightings()}
+    rows = [_row(one, looking, probability) for one, probability in sure.items() if probability >= least]
     return _longer(xr.Dataset(empty), "feature", rows)
 
 
