@@ -23,6 +23,7 @@ _COARSE_WALK = 0.012  # m per root m: bears an odometer scale of 1 % from piece 
 _FINE_SIGMA = 0.003  # m
 _SURE = 20.0  # nats of relief that tell one pipe from two, and one sense of travel from the other
 _SLIP = 0.005  # m
+_MOST_TURN = np.radians(15.0)  # from piece to piece
 _SLIP_REACH = 0.1  # m: a slip takes some way
 
 
@@ -123,6 +124,7 @@ def _registration(
     if turned:
         y = sum(extent_b) - y
     drift = Drift(x, y, sigma, probability, options.walk**2)
+    spans += _turns(x, ends[1])
     spans += drift.doubtful(extent_b, options.sigma_limit)
     return Registration(
         drift, ends[0], ends[1], ends[2], "relief", turned, extent_b, agreement, track.log_evidence, spans
@@ -150,6 +152,15 @@ def _slips(x: NDArray, y: NDArray, sigma: NDArray, fine: NDArray) -> tuple[Span,
     return tuple(
         Span(float(x[i]) - _SLIP_REACH, float(x[i + 1]) + _SLIP_REACH, "an odometer slipped somewhere in it")
         for i in np.flatnonzero((off > least) & fine[1:] & fine[:-1])
+    )
+
+
+def _turns(x: NDArray, roll: NDArray) -> tuple[Span, ...]:
+    """Return the stretches between nodes in which the roll turns further than a robot does: one of them is wrong."""
+    turn = np.abs(np.mod(np.diff(roll) + np.pi, 2 * np.pi) - np.pi)
+    return tuple(
+        Span(float(x[i]), float(x[i + 1]), "how the sensor was rolled is not certain")
+        for i in np.flatnonzero(turn > _MOST_TURN)
     )
 
 

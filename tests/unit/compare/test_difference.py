@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from springline.compare.edges import at_joints, joint_rows
+from springline.compare.refine import _turns
 from springline.compare.shape import roll_left
 
 STEP, ROWS, NOISE = 0.01, 180, 1e-3
@@ -64,3 +65,9 @@ def test_a_joint_that_is_listed_is_left_out_with_its_gap():
     assert not out[(np.abs(x - 2.0) > 0.09) & (np.abs(x - 4.0) > 0.05)].any()
     assert not at_joints(x, np.empty((0, 2)), STEP).any()
     assert not at_joints(np.array([np.nan]), np.array([[2.0, 0.1]]), STEP).any()
+
+
+def test_a_roll_that_jumps_away_and_back_is_flagged_on_both_sides():
+    roll = np.radians([0.0, 1.0, 172.0, 2.0, 5.0, 359.0, 354.0])
+    spans = _turns(np.arange(7) * 0.5, roll)
+    assert [(s.start, s.end) for s in spans] == [(0.5, 1.0), (1.0, 1.5)]
