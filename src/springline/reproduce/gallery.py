@@ -19,9 +19,11 @@ if TYPE_CHECKING:
 _HERE = Path(__file__).parent
 
 CHAPTERS = {
+    "2": "Fits and lenses",
     "3": "Cross-sections",
     "4": "Distorted geometry",
     "5": "Orientation and section from rings",
+    "6": "Laterals and joints in images",
     "7": "Liners",
 }
 """Chapters that have figures here."""

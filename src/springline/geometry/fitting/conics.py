@@ -71,8 +71,9 @@ def conic_to_ellipse(
         large = 0.5 * (a + c + np.hypot(a - c, b))
         semi_minor = np.sqrt(level / large)
         semi_major = np.sqrt(4.0 * level * large / determinant)
-        # adding zero turns -0.0 into 0.0, so that a vertical axis is +pi/2
-        bearing = 0.5 * np.arctan2(-b + 0.0, c - a)
+        bearing = 0.5 * np.arctan2(-b, c - a)
+        # a vertical axis is +pi/2, whatever the sign of a b that is zero or rounds to it
+        bearing = np.where(bearing <= -0.5 * np.pi, 0.5 * np.pi, bearing + 0.0)
     real = (determinant > 0.0) & (level > 0.0)
     shape = (centre_z, centre_y, semi_major, semi_minor, bearing)
     return EllipseShape(*(np.where(real, x, np.nan) for x in shape))
