@@ -9,6 +9,7 @@ import numpy as np
 
 from .linearised import Linearised, Step
 from .mixing import Mixing
+from .slow import slip_prior, slip_variance
 from .states import State
 from .tuning import Tuning
 
@@ -55,9 +56,22 @@ def iterate(problem: Problem, state: State, bend, aside: Spill) -> Solution:
         bend: Function of a state: what bends add to the rings' ellipses [m] (n, 5).
         aside: Where windows are put; the covariance stays there.
     """
-    tuning, mixing = Tuning(float(np.log(problem.options.unsure))), Mixing()
-    sigma = np.ones_like(state.knots)
-    converged = False
+    tuning = Tuning(float(np.log(problem.options.unsure)))
+    state, count, converged = _to_rest(problem, state, bend, tuning, aside)
+    last = Linearised(problem, state, bend(state), tuning.scales, aside)
+    stated = last.slip_variance()
+    slips = slip_variance(problem, state, tuning.scales, stated)
+    problem.slips = slip_prior(problem.options.slip, stated, slips)
+    if problem.slips is not None:
+        state, more, converged = _to_rest(problem, state, bend, tuning, aside)
+        last, count = Linearised(problem, state, bend(state), tuning.scales, aside), count + more
+    misfit = float(np.median(last.squares) / _NORMAL)
+    return Solution(state, last.covariance(slips), tuning.scales, misfit, count, converged)
+
+
+def _to_rest(problem: Problem, state: State, bend, tuning: Tuning, aside: Spill) -> tuple[State, int, bool]:
+    """Return the estimate, how many steps it took, and whether it stands."""
+    mixing, sigma, converged = Mixing(), np.ones_like(state.knots), False
     for count in range(1, problem.options.iterations + 1):
         tune = _SETTLING < count <= _TUNED and not tuning.settled
         step = Linearised(problem, state, bend(state), tuning.scales, aside).solve(tuning, tune=tune)
@@ -72,9 +86,7 @@ def iterate(problem: Problem, state: State, bend, aside: Spill) -> Solution:
         converged = (tuning.settled or count > _TUNED) and size < problem.options.tolerance
         if converged:
             break
-    last = Linearised(problem, state, bend(state), tuning.scales, aside)
-    misfit = float(np.median(last.squares) / _NORMAL)
-    return Solution(state, last.covariance(), tuning.scales, misfit, count, converged)
+    return state, count, converged
 
 
 def _moved(state: State, step: Step, mixing: Mixing, sigma: np.ndarray) -> State:

@@ -9,7 +9,7 @@ import numpy as np
 
 from .factors.base import Factor, Linear
 from .solver import Normal, Sweep
-from .states import BLOCK, CLOCK, SCALARS, State
+from .states import BLOCK, CLOCK, SCALARS, SLIP_RIGHT, SLIP_UP, State
 
 if TYPE_CHECKING:
     from .covariance import Covariance
@@ -94,9 +94,16 @@ class Linearised:
             self._weigh(sweep.scalars, knots, tuning.scales)
         return Step(knots, sweep.scalars, np.sqrt(np.diag(sweep.corner)), sigma if tune else None)
 
-    def covariance(self) -> Covariance:
-        """Return the covariance at the weights as they are."""
-        return self._sweep().covariance(self._state.along)
+    def slip_variance(self) -> np.ndarray:
+        """Return the variance (2,) of the slips up and right at the weights as they are [rad2]."""
+        return np.diag(self._sweep().corner)[[SLIP_UP, SLIP_RIGHT]]
+
+    def covariance(self, slips: np.ndarray) -> Covariance:
+        """Return the covariance at the weights as they are; the slips' variance (2,) is `slips` [rad2] at least."""
+        sweep = self._sweep()
+        for column, variance in zip((SLIP_UP, SLIP_RIGHT), slips, strict=True):
+            sweep.widen(column, float(variance))
+        return sweep.covariance(self._state.along)
 
     def _others(self, number: int) -> list[Linear]:
         arrays = self._aside.get(("others", number))

@@ -68,6 +68,7 @@ class Problem:
         origin: Where the axis is thought to begin, in the working frame [m] (3,).
         north: Whether the ties tell the way north.
         rear: Rings of a rear scanner; None when there is none.
+        slips: Prior of the slip up and to the right [rad] (2,) where it is not that of the options.
     """
 
     rings: Rings
@@ -78,6 +79,7 @@ class Problem:
     origin: np.ndarray
     north: bool
     rear: Rear | None = None
+    slips: np.ndarray | None = None
 
     @property
     def step(self) -> float:
@@ -224,8 +226,7 @@ class Problem:
             sigma[GYRO] = own.gyro_noise / np.sqrt(self.track.bias_time)
         sigma[[SCALE, SLIP_UP, SLIP_RIGHT, LEVER, LEVER_UP, AXLES, CLOCK]] = (
             own.scale,
-            own.slip,
-            own.slip,
+            *((own.slip, own.slip) if self.slips is None else self.slips),
             own.lever,
             own.lever,
             own.axles,

@@ -200,6 +200,13 @@ class Sweep:
         self.scalars, self.corner = plain + drawn @ self._pull, corner - drawn @ gain @ drawn.T
         self.mix = np.block([[self.corner, drawn @ gain], [gain @ drawn.T, -gain]])
 
+    def widen(self, column: int, variance: float) -> None:
+        """Make the variance of a scalar at least as large, and with it that of all that hangs on it."""
+        hangs, count = self.mix[:, column], len(self._edge)
+        more = max(variance / hangs[column] - 1.0, 0.0)
+        self.mix = self.mix + more / hangs[column] * np.outer(hangs, hangs)
+        self.corner = self.mix[:count, :count]
+
     def backward(self, *, covariance: bool) -> Iterator[tuple[int, Solved]]:
         """Return every window's number and solution, the last window first."""
         count, ahead = len(self._edge), None

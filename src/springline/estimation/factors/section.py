@@ -32,7 +32,7 @@ def section(intervals: np.ndarray, step: float, trend: float, wander: float, tai
     whitener = np.linalg.inv(np.linalg.cholesky(spread))
 
     def residual(before, after, scalars):
-        (value, trend), (later, later_trend) = _by_perimeter(before), _by_perimeter(after)
+        (value, trend), (later, later_trend) = by_perimeter(before), by_perimeter(after)
         value = later - value - step * trend
         change = later_trend - trend
         pairs = np.einsum("ij,njp->npi", whitener, np.stack([value, change], axis=1))
@@ -49,7 +49,7 @@ def section(intervals: np.ndarray, step: float, trend: float, wander: float, tai
     )
 
 
-def _by_perimeter(knots: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def by_perimeter(knots: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Return radius of the perimeter, oval_cos and oval_sin of knots, and their trends (n, 3)."""
     value, trend = knots[:, SECTION].copy(), knots[:, TREND].copy()
     mean, oval = knots[:, SECTION.start, None], value[:, 1:]
