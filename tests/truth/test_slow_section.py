@@ -1,4 +1,4 @@
-"""A section that swells and shrinks as slowly as the robot weaves looks like side-slip, and must not be taken for it."""
+"""A section that swells as slowly as the robot weaves looks like side-slip, and must not be taken for it."""
 
 import numpy as np
 import pytest
