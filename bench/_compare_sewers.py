@@ -26,11 +26,12 @@ MISLABELLED = (
 
 @dataclass(frozen=True)
 class Repeat:
-    """Two inspections of one pipe, and whether the second is recorded as driven from the other end."""
+    """Two inspections of one pipe, whether the second is recorded as driven from the other end, and its manholes."""
 
     a: FeatureList
     b: FeatureList
     other_end: bool
+    manholes: tuple[str, str]
 
 
 def repeats(least_taps: int = 0, every: int = 1) -> Iterator[Repeat]:
@@ -44,7 +45,7 @@ def repeats(least_taps: int = 0, every: int = 1) -> Iterator[Repeat]:
     for row in pairs.itertuples():
         numbers = str(row.inspection_id_1), str(row.inspection_id_2)
         a, b = (pacp_features(tables[n], n, sort=True) for n in numbers)
-        yield Repeat(a, b, row.direction == "reversed")
+        yield Repeat(a, b, row.direction == "reversed", (row.manhole_a, row.manhole_b))
 
 
 def label(one: Repeat) -> str:
@@ -73,18 +74,20 @@ def good_taps(one: Repeat, found: Match) -> int:
     return int((tap & near).sum())
 
 
+def without_each(one: Repeat, found: Match, options: MatchOptions) -> Iterator[tuple[int, Match]]:
+    """Yield which pair of taps is left out, and the match without both of it."""
+    for k, (i, j) in enumerate(zip(found.pairs.index_a, found.pairs.index_b, strict=True)):
+        if one.a.kind[i] == TAP and min(len(one.a), len(one.b)) > 2:
+            yield k, match(*(f.take(np.arange(len(f)) != n) for f, n in ((one.a, i), (one.b, j))), options)
+
+
 def left_out(one: Repeat, found: Match, options: MatchOptions) -> np.ndarray:
     """Return (k, 4) per pair of taps: its probability; distance [m] to where the match without both puts it; that of a
     scaling by length; its difference of clock [h]."""
     rows = []
     hours = hours_apart(one.a, one.b, found)
-    for k, (i, j) in enumerate(zip(found.pairs.index_a, found.pairs.index_b, strict=True)):
-        if one.a.kind[i] != TAP:
-            continue
-        a, b = (f.take(np.arange(len(f)) != n) for f, n in ((one.a, i), (one.b, j)))
-        if len(a) < 2 or len(b) < 2:
-            continue
-        again = match(a, b, options)
+    for k, again in without_each(one, found, options):
+        i, j = found.pairs.index_a[k], found.pairs.index_b[k]
         share = (one.a.chainage[i] - one.a.extent[0]) / one.a.length
         scaled = one.b.extent[0] + one.b.length * (1.0 - share if found.reversed else share)
         place = float(again.drift.at(one.a.chainage[i])[0])
@@ -92,34 +95,37 @@ def left_out(one: Repeat, found: Match, options: MatchOptions) -> np.ndarray:
     return np.array(rows).reshape(-1, 4)
 
 
-def thinned(one: Repeat, options: MatchOptions, rng: np.random.Generator) -> np.ndarray:
-    """Return (k, 4) per doubtful pair of taps, when a fifth of the taps of both are hidden: its place in A [m], its
-    probability, its distance [m] to where the match without it puts it, and its difference of clock [h]."""
+def thinned(
+    one: Repeat, options: MatchOptions, rng: np.random.Generator, doubtful: tuple[float, float] = (0.8, 0.98)
+) -> tuple[Match | None, np.ndarray]:
+    """Hide a fifth of the taps of both; return the match, and (k, 4) per pair of taps of so `doubtful` a probability:
+    its place in A [m], its probability, its distance [m] to where the match without it puts it, and its difference of
+    clock [h]."""
     a, b = (f.take((f.kind != TAP) | (rng.random(len(f)) > 0.2)) for f in (one.a, one.b))
     if min(len(a), len(b)) < 2:
-        return np.empty((0, 4))
+        return None, np.empty((0, 4))
     found = match(a, b, options)
     hours = hours_apart(a, b, found)
     rows = []
     # The match without the pair only has to place it: that both saw one pipe was shown with it.
     bold = replace(options, accept_same=1e-9)
-    for k in np.flatnonzero((found.pairs.probability >= 0.8) & (found.pairs.probability < 0.98)):
+    for k in np.flatnonzero((found.pairs.probability >= doubtful[0]) & (found.pairs.probability < doubtful[1])):
         i, j = found.pairs.index_a[k], found.pairs.index_b[k]
         if a.kind[i] == TAP and min(len(a), len(b)) > 2:
             again = match(*(f.take(np.arange(len(f)) != n) for f, n in ((a, i), (b, j))), bold)
             off = float(again.drift.at(a.chainage[i])[0]) - b.chainage[j]
             rows.append((a.chainage[i], found.pairs.probability[k], off, hours[k]))
-    return np.array(rows).reshape(-1, 4)
+    return found, np.array(rows).reshape(-1, 4)
 
 
-def hidden(one: Repeat, found: Match, options: MatchOptions, rng: np.random.Generator) -> tuple[int, int]:
-    """Return right and given pairs of taps when a fifth of B's taps are hidden; right as in the full match."""
+def hidden(one: Repeat, found: Match, options: MatchOptions, rng: np.random.Generator) -> tuple[Match | None, int, int]:
+    """Hide a fifth of B's taps; return the match, its right and its given pairs of taps; right as in the full match."""
     keep = np.flatnonzero((one.b.kind != TAP) | (rng.random(len(one.b)) > 0.2))
     if len(keep) < 2:
-        return 0, 0
+        return None, 0, 0
     again = match(one.a, one.b.take(keep), options)
     full = dict(zip(found.pairs.index_a.tolist(), found.pairs.index_b.tolist(), strict=True))
     tap = one.a.kind[again.pairs.index_a] == TAP
     pairs = zip(again.pairs.index_a[tap].tolist(), keep[again.pairs.index_b[tap]].tolist(), strict=True)
     right = [full.get(i) == j for i, j in pairs]
-    return sum(right), len(right)
+    return again, sum(right), len(right)

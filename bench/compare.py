@@ -119,7 +119,7 @@ def real() -> None:
         if found.reversed != one.other_end:
             wrong.append(f"{sewers.label(one)} ({found.probability_direction:.2f})")
         off.append(sewers.left_out(one, found, options))
-        hidden += sewers.hidden(one, found, options, rng)
+        hidden += sewers.hidden(one, found, options, rng)[1:]
         seen.append(one.a)
         kept.append(one)
         for apart, said in strangers.items():
@@ -143,7 +143,7 @@ def _doubtful(kept: list[sewers.Repeat], options: MatchOptions) -> None:
     for seed in _SEEDS:
         rng = np.random.default_rng(seed)
         for one in kept:
-            found = sewers.thinned(one, options, rng)
+            _, found = sewers.thinned(one, options, rng)
             rows.append(found)
             names += [sewers.label(one)] * len(found)
     place, probability, apart, hours = np.abs(np.concatenate(rows)).T

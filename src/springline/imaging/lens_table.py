@@ -81,6 +81,20 @@ class MountedCamera:
         """The camera's forward, up and right (3, 3) in robot axes; times the robot's own they are those in the pipe."""
         return frame(self.pitch, self.yaw, self.roll)
 
+    def check_size(self, picture: NDArray[np.generic]) -> None:
+        """Refuse a picture (row, column) or (row, column, 3) that is not of this camera's size.
+
+        Raises:
+            InputError: It is of another size, or no picture.
+        """
+        size = picture.shape[1::-1] if picture.ndim in (2, 3) else picture.shape
+        if size != self.size:
+            wide, high = self.size
+            raise InputError(
+                f"it is {' by '.join(map(str, size))}, its lens is for {wide} by {high}",
+                mend="give the lens for this size, or take the picture out",
+            )
+
 
 def cameras_of_calibration(attrs: Mapping[str, Any], *, laser: bool) -> dict[str, MountedCamera]:
     """Return the cameras of a survey by the names of their lenses.

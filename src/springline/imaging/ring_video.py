@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from springline.errors import InputError, ParameterError
+from springline.errors import ParameterError
 from springline.geometry.camera import camera_at, project, to_pixels
 from springline.geometry.checks import choice
 from springline.imaging._ridge import brightest_path, centre_of_light, smooth_course
@@ -150,13 +150,7 @@ class RingReader:
         """Return the picture laid out by bearing and radius: (bearing, radius, 1 or 3)."""
         from springline.imaging.opencv import opencv
 
-        width, height = self.camera.size
-        if picture.shape[:2] != (height, width) or picture.ndim not in (2, 3):
-            raise InputError(
-                f"a picture has {picture.shape[1]} x {picture.shape[0]} pixels",
-                expected=f"{width} x {height}, the size for which the lens is given",
-                mend="give the lens for this size, or take the picture out",
-            )
+        self.camera.check_size(picture)
         cv2 = opencv()
         rays = cv2.remap(picture, self._map, None, cv2.INTER_LINEAR, borderMode=cv2.BORDER_CONSTANT)
         rays = cv2.resize(rays, (rays.shape[1], self.bearings), interpolation=cv2.INTER_AREA)

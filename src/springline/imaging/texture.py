@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from springline.errors import InputError
 from springline.geometry.camera import camera_eye, project, to_pixels
 from springline.geometry.checks import require
 from springline.geometry.measures import polar_radius
@@ -20,7 +21,6 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from springline.errors import InputError
     from springline.imaging.lens_table import MountedCamera
 
     Array = NDArray[np.float64]
@@ -229,11 +229,12 @@ class _Laid:
         usable = np.array([k for k in numbers if int(k) not in self.refused], np.int64)
         for place, picture in self.frames(usable):
             number = int(usable[place])
-            width, height = self.views[number].camera.size
-            if isinstance(picture, Exception):
-                self.refused[number] = getattr(picture, "what", str(picture))
-            elif picture.shape[1::-1] != (width, height):
-                self.refused[number] = f"it is {picture.shape[1]} by {picture.shape[0]}, its lens {width} by {height}"
+            try:
+                if isinstance(picture, InputError):
+                    raise picture
+                self.views[number].camera.check_size(picture)
+            except InputError as refusal:
+                self.refused[number] = refusal.what
             else:
                 yield self.views[number], picture
 

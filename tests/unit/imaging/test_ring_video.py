@@ -119,5 +119,5 @@ def test_what_cannot_be_is_refused():
     camera = MountedCamera(lens, CENTRE, (WIDTH, HEIGHT), laser_ahead=AHEAD)
     with pytest.raises(ParameterError, match="'pink' is not known"):
         RingReader(camera, colour="pink")
-    with pytest.raises(InputError, match="320 x 240 pixels; expected 640 x 480"):
+    with pytest.raises(InputError, match="it is 320 by 240, its lens is for 640 by 480"):
         RingReader(camera).read(np.zeros((240, 320, 3), np.uint8))

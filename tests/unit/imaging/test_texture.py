@@ -111,7 +111,7 @@ def test_unusable_frames_are_named():
     pictures[first], pictures[second] = np.zeros((10, 10, 3), np.uint8), InputError("cut short")
     laid = lay(views, pictures)
     assert [number for number, _ in laid.refused] == [first, second]
-    assert laid.refused[0][1] == "it is 10 by 10, its lens 320 by 240" and "cut short" in laid.refused[1][1]
+    assert laid.refused[0][1] == "it is 10 by 10, its lens is for 320 by 240" and "cut short" in laid.refused[1][1]
     assert not np.isin([first, second], laid.used).any()
     nothing = lay([], [])
     assert not nothing.seen.any() and nothing.used.size == 0

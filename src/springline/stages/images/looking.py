@@ -178,11 +178,7 @@ class Looking:
             try:
                 if isinstance(picture, InputError):
                     raise picture
-                if picture.shape[1::-1] != camera.size:
-                    wide, high = camera.size
-                    raise InputError(
-                        f"it is {picture.shape[1]} by {picture.shape[0]}, its lens is for {wide} by {high}"
-                    )
+                camera.check_size(picture)
             except InputError as refusal:
                 self.troubles.append(f"{self.paths[at]} ({refusal.what})")
                 self._broken.add(at)
