@@ -10,7 +10,7 @@ from difflib import get_close_matches
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Iterable, Sequence
     from pathlib import Path
 
 
@@ -98,3 +98,13 @@ def nearest(name: str, known: Iterable[str]) -> str:
     """
     found = get_close_matches(name, list(known), n=1)
     return f", did you mean '{found[0]}'?" if found else ""
+
+
+def listed(parts: Sequence[str], most: int, between: str = "; ") -> str:
+    """Return the first `most` parts as one text, and how many more there are.
+
+    >>> listed(["a.png (empty)", "b.png (cut short)", "c.png (empty)"], 2)
+    'a.png (empty); b.png (cut short) and 1 more'
+    """
+    more = f" and {len(parts) - most} more" if len(parts) > most else ""
+    return between.join(parts[:most]) + more

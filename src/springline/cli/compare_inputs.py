@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from ..errors import FormatError, InputError, MissingExtraError
+from ..errors import FormatError, InputError, MissingExtraError, listed
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -143,9 +143,8 @@ def _only(table: Any, column: str, path: Path) -> str:
     """Return the inspection of a table that holds a single one."""
     there = list(dict.fromkeys(str(v).strip() for v in table[column]))
     if len(there) > 1:
-        more = f" and {len(there) - _SHOWN} more" if len(there) > _SHOWN else ""
         raise InputError(
-            f"it holds {len(there)} inspections: {', '.join(there[:_SHOWN])}{more}",
+            f"it holds {len(there)} inspections: {listed(there, _SHOWN, ', ')}",
             where=path,
             expected="one of them",
             mend=f"name it after an @, as in {path.name}@{there[0]}",

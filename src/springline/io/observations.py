@@ -10,7 +10,7 @@ import numpy as np
 import xarray as xr
 
 from ..conventions import bearing_from_clock, clock_from_bearing
-from ..errors import FormatError
+from ..errors import FormatError, listed
 from ..survey import Survey, add_assumption
 
 if TYPE_CHECKING:
@@ -113,7 +113,7 @@ def observations_survey(inspections: list[Inspection], path: Path, *, format: st
     survey = Survey({"observations": xr.Dataset(columns, attrs=attrs)}, _attrs(inspections))
     unknown = sorted({one["code"] for _, one in rows if not one["kind"]})
     if unknown:
-        shown = ", ".join(unknown[:12]) + (", ..." if len(unknown) > 12 else "")
+        shown = listed(unknown, 12, ", ")
         survey = add_assumption(survey, f"{len(unknown)} codes have no kind here and are carried as they are: {shown}.")
     return survey
 

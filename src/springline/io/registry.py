@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from importlib import import_module
 from typing import TYPE_CHECKING
 
-from ..errors import FormatError, InputError, nearest
+from ..errors import FormatError, InputError, listed, nearest
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -157,9 +157,8 @@ def _explain_table(path: Path) -> None:
     except FormatError:
         return
     if names:
-        shown = ", ".join(names[:6]) + (", ..." if len(names) > 6 else "")
         raise FormatError(
-            f"the columns '{shown}' are neither those of a ring table nor of a cloud",
+            f"the columns {listed(names, 6, ', ')} are neither those of a ring table nor of a cloud",
             where=path,
             expected="distance_m, r_0, r_1, ... or distance_m, bearing_deg, radius_m or x, y, z",
             mend="rename the columns, or say the format with --format",

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import xarray as xr
 
-from springline.errors import InputError
+from springline.errors import InputError, listed
 from springline.survey import add_warning
 
 if TYPE_CHECKING:
@@ -50,12 +50,11 @@ def ring_video(survey: Survey, config: Config) -> Survey:
             "no frame shows a laser ring",
             where=survey.attrs.get("name", "survey"),
             expected=f"frames of the lens '{name}' with a ring of light once round",
-            mend=f"check them against the list: {'; '.join(troubles[:_NAMED])}" if troubles else None,
+            mend=f"check them against the list: {listed(troubles, _NAMED)}" if troubles else None,
         )
     if troubles:
-        more = f" and {len(troubles) - _NAMED} more" if len(troubles) > _NAMED else ""
         survey = add_warning(
-            survey, f"{len(troubles)} of {int(shown.sum())} frames gave no ring: {'; '.join(troubles[:_NAMED])}{more}."
+            survey, f"{len(troubles)} of {int(shown.sum())} frames gave no ring: {listed(troubles, _NAMED)}."
         )
     return survey.with_group("rings", _dataset(frames, used[kept], ranges[kept], camera))
 

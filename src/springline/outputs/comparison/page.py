@@ -10,6 +10,7 @@ import numpy as np
 
 from ... import __version__
 from ...compare.verdicts import QUANTITIES
+from ...errors import listed
 from ..html import environment
 from ..report.listings import Table
 from ..report.texts import SIGMAS_95, clock_text, measured, number
@@ -233,15 +234,14 @@ def _pairs(found: Comparison) -> Table:
 
 
 def _missing(found: Comparison) -> Table:
-    rows: dict[str, list[tuple[float, float]]] = {}
+    stretches: dict[str, list[tuple[float, float]]] = {}
     for start, end, why in found.missing:
-        rows.setdefault(why, []).append((start, end))
-    listed = tuple(
-        (why, f"{sum(e - s for s, e in spans):.2f}", ", ".join(f"{s:.2f}–{e:.2f}" for s, e in spans[:12])
-         + (f" and {len(spans) - 12} more" if len(spans) > 12 else ""))
-        for why, spans in rows.items()
+        stretches.setdefault(why, []).append((start, end))
+    rows = tuple(
+        (why, f"{sum(e - s for s, e in spans):.2f}", listed([f"{s:.2f}–{e:.2f}" for s, e in spans], 12, ", "))
+        for why, spans in stretches.items()
     )  # fmt: skip
-    return Table(("Why", "Length [m]", "Where [m of A]"), listed, frozenset({0, 2}))
+    return Table(("Why", "Length [m]", "Where [m of A]"), rows, frozenset({0, 2}))
 
 
 def _detectable(found: Comparison) -> Table:

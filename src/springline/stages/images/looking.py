@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ...errors import InputError
+from ...errors import InputError, listed
 from .places import is_of
 
 if TYPE_CHECKING:
@@ -124,8 +124,7 @@ class Looking:
         troubles = [f"{path} (it has no distance)" for path in without] + self.troubles
         if not troubles:
             return []
-        more = f" and {len(troubles) - _NAMED} more" if len(troubles) > _NAMED else ""
-        return [f"{len(troubles)} of {int(usable.sum())} frames were left out: {'; '.join(troubles[:_NAMED])}{more}."]
+        return [f"{len(troubles)} of {int(usable.sum())} frames were left out: {listed(troubles, _NAMED)}."]
 
     @property
     def _tried(self) -> set[int]:

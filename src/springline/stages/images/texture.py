@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import xarray as xr
 
-from ...errors import MissingExtraError
+from ...errors import MissingExtraError, listed
 from ...survey import add_warning
 from .filmed import filmed
 from .views import views_of
@@ -58,9 +58,8 @@ def texture(survey: Survey, config: Config) -> Survey:
     except MissingExtraError as missing:
         return add_warning(survey, f"The frames were not laid on the wall: {missing}")
     if laid.refused:
-        names = [f"{paths[k]} ({why})" for k, why in laid.refused[:_NAMED]]
-        more = f" and {len(laid.refused) - _NAMED} more" if len(laid.refused) > _NAMED else ""
-        survey = add_warning(survey, f"Frames that could not be laid on the wall: {'; '.join(names)}{more}.")
+        names = [f"{paths[k]} ({why})" for k, why in laid.refused]
+        survey = add_warning(survey, f"Frames that could not be laid on the wall: {listed(names, _NAMED)}.")
     if not laid.seen.any():
         return survey
     return survey.with_group("texture", _group(surface, laid))
