@@ -16,6 +16,15 @@ from springline.conventions import (
     SURVEY_SENSOR_KEYS,
 )
 
+OPENING = """\
+```python
+import xarray, zarr
+
+tree = xarray.open_datatree("survey.zarr", engine="zarr")  # a folder
+tree = xarray.open_datatree(zarr.storage.ZipStore("survey.zarr.zip", mode="r"), engine="zarr")  # a zip
+tree["metrics"]["diameter_max"]  # [m]
+```"""
+
 
 def contract() -> str:
     """Return the page as Markdown."""
@@ -23,6 +32,10 @@ def contract() -> str:
         "# The data contract",
         "",
         "Made by `docs/make_contract.py` from `springline/conventions`; change it there.",
+        "",
+        "A survey is a zarr store, in a folder or in one `.zip`. Without Springline:",
+        "",
+        *OPENING.splitlines(),
         "",
         "## Root attributes",
         "",

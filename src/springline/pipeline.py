@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
 
 from . import __version__
 from .calibration import apply_calibration
-from .config import Config
+from .config import Config, make_config
 from .design import judge, load_rule
-from .errors import InputError
+from .errors import InputError, ParameterError
 from .stages.clean import clean
 from .stages.design_line import design_line
 from .stages.detect import detect
@@ -23,20 +24,23 @@ from .stages.passes import joined
 from .stages.ring_video import ring_video
 from .stages.rings import rings
 from .stages.turning import out_and_back
-from .survey import add_run, add_warning, validate
+from .survey import Survey, add_provenance, add_run, add_warning, validate
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
 
-    from .survey import Survey
-
 STAGES = (rings, clean, masks, detect, estimate, liner, metrics, features, images, texture, corrections, design_line)
 """The stages in the order in which they run; each takes a survey and its settings and adds its groups."""
+
+_ONE_PASS = (
+    "An earlier inspection joined a back pass; it is not in this survey: section and centreline are now of the out "
+    "pass alone. Give the back pass again, or inspect the original run."
+)
 
 
 def inspect(
     survey: Survey,
-    config: Config | None = None,
+    config: Config | Mapping[str, Any] | None = None,
     *,
     back: Survey | None = None,
     checks: Iterable[str] = (),
@@ -46,7 +50,7 @@ def inspect(
 
     Args:
         survey: As `springline.read` returns it; results of an earlier run are left aside and made anew.
-        config: Settings; the defaults when not given.
+        config: Settings, or nested dictionaries of them; the defaults when not given.
         back: The same pipe driven from its other end; section and centreline are then of both passes. A survey
             whose counter comes back is parted into two passes by itself.
         checks: Names of acceptance rules to judge; their verdicts stand in the attribute `rules`.
@@ -57,7 +61,7 @@ def inspect(
         warnings and assumptions in its attributes.
 
     Raises:
-        ParameterError: A rule is unknown.
+        ParameterError: A rule is unknown, or an argument is no survey or no settings.
         ContractError: The survey does not follow the data contract.
         InputError: It holds nothing that can be inspected; the message says why.
 
@@ -66,12 +70,18 @@ def inspect(
     >>> result.has("metrics")
     True
     """
-    config, rules = config or Config(), [load_rule(name) for name in checks]
-    apart = back is not None
+    config, rules = _settings(config), [load_rule(name) for name in checks]
+    apart, again = back is not None, _survey(survey, "survey").has("passes")
+    survey = validate(survey.source())
+    read = survey.assumptions
     if back is None:
         survey, back = out_and_back(survey)
-    survey = add_run(validate(survey.source()), version=__version__, config=config.model_dump(mode="json"))
+    passes = [one for one in survey.assumptions if one not in read]
+    survey = add_run(survey, version=__version__, config=config.model_dump(mode="json"))
     survey = _measurable(facing(apply_calibration(ring_video(survey, config))))
+    known = [one for one in survey.assumptions if one not in passes]
+    if again and back is None:
+        survey = add_warning(survey, _ONE_PASS)
     for done, stage in enumerate(STAGES):
         if progress:
             progress(stage.__name__, done / len(STAGES))
@@ -82,7 +92,28 @@ def inspect(
         survey = judge(survey, rules)
     if progress:
         progress("done", 1.0)
-    return survey
+    return add_provenance(survey, concluded=[one for one in survey.assumptions if one not in known] or None)
+
+
+def _settings(config: Config | Mapping[str, Any] | None) -> Config:
+    if config is None or isinstance(config, Config):
+        return config or Config()
+    if isinstance(config, Mapping):
+        return make_config(dict(config))
+    raise ParameterError(
+        f"{config!r} is no settings",
+        where="config",
+        expected="a Config or nested dictionaries",
+        mend="a TOML file is read by springline.config.load_config",
+    )
+
+
+def _survey(given: Survey, name: str) -> Survey:
+    if isinstance(given, Survey):
+        return given
+    raise ParameterError(
+        f"{given!r} is no survey", where=name, expected="a Survey", mend="a file is read by springline.read"
+    )
 
 
 def _joined(survey: Survey, back: Survey, config: Config, *, apart: bool) -> Survey:
@@ -97,7 +128,7 @@ def _joined(survey: Survey, back: Survey, config: Config, *, apart: bool) -> Sur
 
 def _estimated(survey: Survey, config: Config) -> Survey:
     """Return the back pass as far as it is needed."""
-    survey = ring_video(validate(survey.source(), where="the back pass"), config)
+    survey = ring_video(validate(_survey(survey, "back").source(), where="the back pass"), config)
     survey = _measurable(facing(apply_calibration(survey)))
     for stage in STAGES[: STAGES.index(estimate) + 1]:
         survey = stage(survey, config)

@@ -76,12 +76,24 @@ def test_options_that_mean_nothing_are_refused(option, value, tmp_path):
 @pytest.mark.parametrize(
     ("option", "value"),
     [("unit", "km"), ("bearing_zero", "top"), ("bearing_sense", "left"), ("sensor", "radar"),
-     ("nominal_diameter", 300.0), ("nominal_diameter", -0.3),
+     ("nominal_diameter", 300.0), ("nominal_diameter", -0.3), ("nominal_diameter", "300mm"),
+     ("intrinsics", (400.0, 400.0, 10.0)), ("intrinsics", (400.0, None, 10.0, 10.0)),
      ("axes", "x,x,y"), ("axes", "forward"), ("depth_unit", "px")],
 )  # fmt: skip
 def test_options_outside_their_range(option, value):
     with pytest.raises(ParameterError, match=option):
         ReadOptions(**{option: value})
+
+
+def test_numbers_of_any_type_are_kept_as_plain_ones(tmp_path):
+    sl.write(make_cloud(), tmp_path / "a.ply")
+    for value in (np.float32(0.3), np.array(0.3), np.float64(0.3)):
+        assert sl.read(tmp_path / "a.ply", nominal_diameter=value).attrs["nominal_diameter"] == pytest.approx(
+            float(value)
+        )
+    plain = ReadOptions(intrinsics=np.array([400, 401, 10, 11], np.float32)).values()
+    assert json.dumps(plain) == '{"intrinsics": [400.0, 401.0, 10.0, 11.0]}'
+    assert ReadOptions(intrinsics="400,401,10,11").intrinsics == (400.0, 401.0, 10.0, 11.0)
 
 
 def test_provenance_name_and_sensor(tmp_path):

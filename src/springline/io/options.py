@@ -59,6 +59,8 @@ class ReadOptions:
         _choice("bearing_sense", self.bearing_sense, BEARING_SENSES)
         _choice("sensor", self.sensor, SENSOR_KINDS)
         low, high = DIAMETER_LIMITS
+        if self.nominal_diameter is not None:
+            object.__setattr__(self, "nominal_diameter", _number("nominal_diameter", self.nominal_diameter))
         if self.nominal_diameter is not None and not low <= self.nominal_diameter <= high:
             raise ParameterError(
                 f"{self.nominal_diameter:g} m is not the diameter of a pipe",
@@ -73,7 +75,7 @@ class ReadOptions:
         if self.axes is not None:
             parse_axes(self.axes)
         if self.intrinsics is not None:
-            _check_intrinsics(self.intrinsics)
+            object.__setattr__(self, "intrinsics", _intrinsics(self.intrinsics))
 
     def stated(self) -> tuple[str, ...]:
         """Names of the options that are stated."""
@@ -111,10 +113,22 @@ def _choice(name: str, value: str | None, known: Iterable[str]) -> None:
         )
 
 
-def _check_intrinsics(values: tuple[float, float, float, float]) -> None:
+def _number(name: str, value: object) -> float:
+    """Return a number of any type as a plain float, as it is kept in the survey's provenance."""
+    try:
+        if isinstance(value, (str, bytes, bool)):
+            raise TypeError
+        return float(value)  # type: ignore[arg-type]
+    except (TypeError, ValueError):
+        raise ParameterError(f"{value!r} is not a number", where=name, expected="a number, such as 0.4") from None
+
+
+def _intrinsics(given: Iterable[float]) -> tuple[float, float, float, float]:
+    values = parse_intrinsics(given) if isinstance(given, str) else tuple(_number("intrinsics", v) for v in given)
     if len(values) != 4 or not all(abs(v) < 1e6 for v in values) or min(values[:2]) <= 0:
         raise ParameterError(
             f"{values} are no pinhole intrinsics",
             where="intrinsics",
             expected="fx,fy,cx,cy in pixels with positive focal lengths",
         )
+    return values

@@ -6,10 +6,12 @@ import json
 from collections.abc import Callable, Iterator
 from importlib.metadata import version
 from itertools import chain, islice
+from operator import index
 from pathlib import Path
 
 import xarray as xr
 
+from ..errors import ParameterError
 from ..survey import Survey, add_assumption, save_blocks, save_survey
 from ..survey.files import replacing
 from .camera import Footage
@@ -53,7 +55,7 @@ def simulate(scenario: str | Path | Scenario, seed: int = 0) -> Survey:
     >>> survey.rings["range"].shape[1], survey.attrs["nominal_diameter"]
     (360, 0.3)
     """
-    checked = load(scenario)
+    checked, seed = load(scenario), _whole(seed)
     if checked.robot.returns:
         out, back = ways(checked)
         return returned(out, seed, simulate(out, seed), simulate(back, seed + _RETURN))
@@ -87,7 +89,7 @@ def simulate_to(
     Raises:
         OutputError: `path` exists without `force`, or the disk refuses.
     """
-    checked, path = load(scenario), Path(path)
+    checked, path, seed = load(scenario), Path(path), _whole(seed)
     if checked.robot.returns:
         save_survey(simulate(checked, seed), path, force=force)
         return path
@@ -99,6 +101,17 @@ def simulate_to(
     with replacing(beside, force=force) as folder:
         write_frames(Footage(world), folder, progress=lambda done: share(0.9 * done))
         return _stream(path, world, beside.name, force, lambda done: share(0.9 + 0.1 * done))
+
+
+def _whole(seed: int) -> int:
+    """Return the seed as a plain whole number, as it is kept in the survey's provenance."""
+    try:
+        value = index(seed)
+    except TypeError:
+        value = -1
+    if value < 0:
+        raise ParameterError(f"{seed!r} is no seed", where="seed", expected="a whole number from 0 on")
+    return value
 
 
 def frames_beside(path: Path) -> Path:

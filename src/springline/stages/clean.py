@@ -73,11 +73,16 @@ def _typical_radius(rings: xr.Dataset, along: np.ndarray | None) -> float:
     if along is not None:
         return float(np.nanmedian(rings["range"].values))
     rows = np.unique(np.linspace(0, rings.sizes["ring"] - 1, _SAMPLE).astype(int))
-    ranges = rings["range"].isel(ring=rows).values
+    ranges = _returns(rings["range"].isel(ring=rows).values)
     fits = fit_ellipses_to_ranges(ranges, rings["bearing"].values)
     if fits.fitted.any():
         return float(np.median(fits.mean_radius[fits.fitted]))
-    return float(np.nanmedian(rings["range"].values))
+    return float(np.nanmedian(_returns(rings["range"].values)))
+
+
+def _returns(ranges: np.ndarray) -> np.ndarray:
+    """Return ranges with NaN for every reading that is none: some devices tell no return by infinity."""
+    return np.where(np.isfinite(ranges), ranges, np.nan)
 
 
 def _reasons(

@@ -110,11 +110,15 @@ class Survey:
         return Survey(self._groups, {key: value for key, value in merged.items() if value is not None})
 
     def source(self) -> Survey:
-        """Return what came from files alone, without warnings, to run the stages anew."""
+        """Return what came from files alone, to run the stages anew: without warnings, and without what an earlier
+        inspection assumed."""
         kept = {name: data for name, data in self._groups.items() if name in SOURCE_GROUPS}
         if kept.get("rings", xr.Dataset()).attrs.get("distance_source") == "axis" and "points" in kept:
             del kept["rings"]
         attrs = {key: value for key, value in self._attrs.items() if key != "warnings"}
+        concluded = set(json.loads(attrs.get("provenance", "{}")).get("concluded", []))
+        if concluded:
+            attrs["assumptions"] = json.dumps([one for one in self.assumptions if one not in concluded])
         if PENDING in attrs:
             attrs["overrides"] = attrs.pop(PENDING)
         return Survey(kept, attrs)

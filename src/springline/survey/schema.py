@@ -17,12 +17,16 @@ if TYPE_CHECKING:
     from .model import Survey
 
 
+_LENGTHS = ("nominal_diameter", "base_diameter", "wall_thickness")
+_TURN = 2.0 * np.pi * (1.0 + 1e-6)
+
+
 def validate(survey: Survey, *, where: str = "survey") -> Survey:
     """Return the survey when it follows the contract.
 
-    Checked: every variable is known, has its dims and a fitting type, required ones are there; distances of rings
-    are finite, never repeat, turn once at most, and increase unless the robot faced backwards; rings hold at least one
-    return.
+    Checked: every variable is known, has its dims and a fitting type, required ones are there; diameters are lengths;
+    bearings of rings are radians of one turn; distances of rings are finite, never repeat, turn once at most, and
+    increase unless the robot faced backwards; rings hold at least one return.
 
     Args:
         survey: The survey.
@@ -30,8 +34,10 @@ def validate(survey: Survey, *, where: str = "survey") -> Survey:
 
     Raises:
         ContractError: Structure: a variable is missing, unknown or has other dims.
-        InputError: Content: no returns at all, distances that repeat or go back.
+        InputError: Content: no returns at all, distances that repeat or go back, bearings that are no radians.
     """
+    for name in _LENGTHS:
+        _check_length(name, survey.attrs.get(name), where)
     for name in survey.groups:
         _check_structure(GROUPS[name], survey.group(name), where)
     for name in ("rings", "rings_rear"):
@@ -62,9 +68,28 @@ def _check_structure(group: Group, data: xr.Dataset, where: str) -> None:
             )
 
 
+def _check_length(name: str, value: object, where: str) -> None:
+    number = isinstance(value, (int, float, np.number)) and not isinstance(value, bool)
+    if value is not None and not (number and 0.0 < float(value) < np.inf):  # type: ignore[arg-type]
+        raise ContractError(f"the attribute '{name}' is {value!r}", where=where, expected="a length in metres")
+
+
+def _check_bearings(bearing: np.ndarray, where: str) -> None:
+    if not np.isfinite(bearing).all():
+        raise InputError(f"bearing {int(np.argmin(np.isfinite(bearing)))} is not a number", where=where)
+    if np.ptp(bearing) > _TURN or np.abs(bearing).max() > 2.0 * _TURN:
+        raise InputError(
+            f"bearings run from {bearing.min():g} to {bearing.max():g}",
+            where=where,
+            expected="radians within one turn",
+            mend="turn degrees into radians: numpy.radians(bearing)",
+        )
+
+
 def _check_rings(rings: xr.Dataset, where: str, *, back: bool) -> None:
     if 0 in rings.sizes.values():
         raise InputError("there are no readings", where=where, expected="at least one ring with readings")
+    _check_bearings(rings["bearing"].values, where)
     distance = rings["distance"].values
     if not np.isfinite(distance).all():
         row = int(np.flatnonzero(~np.isfinite(distance))[0])

@@ -11,6 +11,7 @@ import xarray as xr
 
 import springline as sl
 from springline.data import builtin_survey
+from springline.errors import ParameterError
 from springline.simulate import parse, scenarios, simulate, simulate_to
 from springline.simulate.builtin import SEED
 from springline.simulate.wall import HIT_KINDS, WATER
@@ -54,6 +55,16 @@ def test_one_seed_one_survey_and_another_another():
         same(first.group(group), again.group(group))
     assert not np.array_equal(first.rings["range"], other.rings["range"], equal_nan=True)
     same(first.truth.drop_vars(["tie_easting"]), other.truth.drop_vars(["tie_easting"]))
+
+
+@pytest.mark.parametrize("seed", [-1, 1.5, "a", None])
+def test_a_seed_that_is_none_is_refused(seed):
+    with pytest.raises(ParameterError, match=f"seed: {seed!r} is no seed"):
+        simulate("reference-ring", seed=seed)
+
+
+def test_a_seed_of_numpy_is_as_good():
+    assert simulate("reference-ring", seed=np.int64(3)).rings.identical(simulate("reference-ring", seed=3).rings)
 
 
 def test_a_sensor_more_leaves_the_others_noise_alone():

@@ -44,6 +44,22 @@ def test_saved_survey_comes_back_to_a_tenth_of_the_noise(survey, tmp_path, name)
     assert back.rings["range"].attrs["units"] == "m"
 
 
+def test_the_page_says_how_others_open_it(survey, tmp_path, monkeypatch):
+    page = (Path(__file__).parents[3] / "docs" / "contract.md").read_text()
+    code = page.split("```python")[1].split("```")[0]
+    save_survey(
+        survey.with_group("metrics", xr.Dataset({"diameter_max": ("station", [0.3])})), tmp_path / "survey.zarr"
+    )
+    save_survey(survey, tmp_path / "survey.zarr.zip")
+    monkeypatch.chdir(tmp_path)
+    *lines, last = [line for line in code.splitlines() if line]
+    for line in (lines[0] + "\n" + lines[1], lines[0] + "\n" + lines[2]):
+        held = {}
+        exec(line, held)
+        assert held["tree"]["rings"].sizes["bearing"] == 90
+    assert last.startswith('tree["metrics"]["diameter_max"]')
+
+
 def test_text_comes_back(survey, tmp_path):
     kinds = xr.Dataset({"kind": ("feature", ["joint", "latéral"]), "chainage": ("feature", [1.0, 2.0])})
     save_survey(survey.with_group("features", kinds), tmp_path / "s.zarr.zip")
