@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from springline.estimation import Inertial, Rings, Ties
+from springline.estimation import Inertial, Rings, Ties, pooled_harmonics
 from springline.geometry.fitting import fit_ellipses_to_ranges
 
 AXES = ("easting", "northing", "elevation")
@@ -26,27 +26,31 @@ class Given(NamedTuple):
 def given(survey, ranges: np.ndarray | None = None) -> Given:
     """Return a simulated survey as arrays, its ellipses fitted; `ranges` take the place of its own."""
     data, log, known = survey.rings, survey.inertial, survey.ties
-    fits = [
-        fit_ellipses_to_ranges((data["range"] if ranges is None else ranges)[rows], data["bearing"].values)
-        for rows in (slice(first, first + _BLOCK) for first in range(0, data.sizes["ring"], _BLOCK))
-    ]
     lever = tuple(float(data.attrs.get(f"position_{axis}", 0.0)) for axis in "xyz")
-    rings = Rings(
-        data["distance"].values,
-        np.concatenate([one.parameters for one in fits]),
-        np.concatenate([one.covariance for one in fits]),
-        data["time"].values,
-        lever,
-    )
     make, form = Inertial, ("gyro", "accel")
     if "gyro" not in log:
         make, form = Inertial.from_attitude, ("heading", "inclination", "bank")
     points = np.stack([known[name].values for name in AXES], axis=1)
     return Given(
-        rings,
+        fitted(data, lever, ranges),
         make(log["time"].values, *(log[name].values for name in form)),
         Ties(known["distance"].values, points, known["sigma"].values),
     )
+
+
+def fitted(data, lever: tuple[float, float, float], ranges: np.ndarray | None = None) -> Rings:
+    """Return the ellipses of one scanner's rings; `lever` is where it stands on the robot."""
+    fits = [
+        fit_ellipses_to_ranges((data["range"] if ranges is None else ranges)[rows], data["bearing"].values)
+        for rows in (slice(first, first + _BLOCK) for first in range(0, data.sizes["ring"], _BLOCK))
+    ]
+    parameters, covariance = (np.concatenate([getattr(one, n) for one in fits]) for n in ("parameters", "covariance"))
+    return Rings(data["distance"].values, parameters, covariance, data["time"].values, lever)
+
+
+def shape_of(data, rings: Rings):
+    """Return the harmonics of the section that the rings of one scanner show beyond their ellipses."""
+    return pooled_harmonics(data["range"].values, data["bearing"].values, rings.parameters)
 
 
 def here(truth, name: str) -> np.ndarray:
@@ -73,3 +77,14 @@ def radii(found) -> tuple[np.ndarray, np.ndarray]:
     """Return half width and half height by the joint estimate, and their one-sigma [m] (n, 2)."""
     turn = np.array([[1.0, 1.0, 0.0], [1.0, -1.0, 0.0]])
     return found.section @ turn.T, np.sqrt(np.einsum("ai,nij,aj->na", turn, found.section_covariance, turn))
+
+
+def of_stations(found, truth) -> dict[str, tuple[np.ndarray, np.ndarray]]:
+    """Return the errors of a joint estimate at every ring, and their sigma, by quantity."""
+    values, spread = radii(found)
+    out = {name: (values[:, k] - true_radii(truth)[:, k], spread[:, k]) for k, name in enumerate(("r1", "r2"))}
+    for k, name in enumerate(TERMS):
+        out[name] = (found.pose[:, k] - truth[name].values, found.pose_sigma[:, k])
+    for k, name in enumerate(AXES):
+        out[name] = (found.axis[:, k] - here(truth, name), found.axis_sigma[:, k])
+    return out

@@ -9,28 +9,15 @@ comes first.
 
 from __future__ import annotations
 
-import os
-import re
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 
-from springline.estimation import (
-    Inertial,
-    JointEstimate,
-    JointOptions,
-    Rear,
-    Rings,
-    Ties,
-    estimate_joint,
-    pooled_harmonics,
-)
-from springline.geometry.fitting import fit_ellipses_to_ranges
+from bench import _joint
+from bench._estimator_page import publish, seeds
+from springline.estimation import Inertial, JointEstimate, JointOptions, Rear, Rings, Ties, estimate_joint
 from springline.simulate import parse, simulate
 
-PAGE = Path(__file__).parents[1] / "docs" / "estimator.md"
-MARKS = ("<!-- rear -->\n", "<!-- end of rear -->\n")
 FRONT, REAR = 0.1, -0.3
 """Where the two scanners stand along the robot [m]."""
 MOUNT = 2e-4
@@ -86,7 +73,6 @@ BENT = (
     '{ kind = "straight", length = 5.4 }'
 )
 STRAIGHT = '{ kind = "straight", length = 10.0 }'
-POSE = ("offset_y", "offset_z", "pitch", "yaw", "roll")
 SHOWN = {
     **{name: (name, 1e3, "mm") for name in ("r1", "r2", "offset_y", "offset_z")},
     **{name: (name, np.degrees(1.0), "degrees") for name in ("pitch", "yaw", "roll", "slip up", "slip right")},
@@ -127,36 +113,16 @@ def made(seed: int, *, straight: bool = False):
 
 def given(survey) -> tuple[Rings, Inertial, Ties, Rear, dict]:
     """Return what the estimator is given, the rear scanner's place as it is thought to be."""
-    both, shapes = {}, {}
-    for name, place in (("rings", FRONT), ("rings_rear", REAR)):
-        data = survey.group(name)
-        ranges, bearings = data["range"].values, data["bearing"].values
-        fits = fit_ellipses_to_ranges(ranges, bearings)
-        shapes[name] = pooled_harmonics(ranges, bearings, fits.parameters)
-        both[name] = Rings(
-            data["distance"].values, fits.parameters, fits.covariance, data["time"].values, (place, 0.0, 0.0)
-        )
-    log = Inertial(*(survey.inertial[name].values for name in ("time", "gyro", "accel")))
-    points = np.stack([survey.ties[name].values for name in ("easting", "northing", "elevation")], axis=1)
-    ties = Ties(survey.ties["distance"].values, points, survey.ties["sigma"].values)
-    rear = Rear(replace(both["rings_rear"], parameters=shapes["rings_rear"].parameters), MOUNT)
-    return both["rings"], log, ties, rear, {"harmonics": shapes["rings"]}
+    arrays = _joint.given(survey)
+    behind = _joint.fitted(survey.rings_rear, (REAR, 0.0, 0.0))
+    shape = _joint.shape_of(survey.rings_rear, behind)
+    rear = Rear(replace(behind, parameters=shape.parameters), MOUNT)
+    return *arrays, rear, {"harmonics": _joint.shape_of(survey.rings, arrays.rings)}
 
 
 def off(found: JointEstimate, truth, scalars: dict[str, float]) -> Errors:
     """Return the errors of an estimate with a log."""
-
-    def here(name: str) -> np.ndarray:
-        return np.interp(truth["ring_chainage"].values, truth["chainage"].values, truth[name].values)
-
-    turn = np.array([[1.0, 1.0, 0.0], [1.0, -1.0, 0.0]])
-    spread = np.sqrt(np.einsum("ai,nij,aj->na", turn, found.section_covariance, turn))
-    radii = found.section @ turn.T - 0.5 * np.stack([here("diameter_x"), here("diameter_y")], axis=1)
-    out = {name: (radii[:, k], spread[:, k]) for k, name in enumerate(("r1", "r2"))}
-    for k, name in enumerate(POSE):
-        out[name] = (found.pose[:, k] - truth[name].values, found.pose_sigma[:, k])
-    for k, name in enumerate(("easting", "northing", "elevation")):
-        out[name] = (found.axis[:, k] - here(name), found.axis_sigma[:, k])
+    out = _joint.of_stations(found, truth)
     for name, value in scalars.items():
         estimate, sigma = found.scalars[name.replace(" ", "_")]
         out[name] = (np.array([estimate - value]), np.array([sigma]))
@@ -165,7 +131,7 @@ def off(found: JointEstimate, truth, scalars: dict[str, float]) -> Errors:
 
 def off_blind(found: JointEstimate, truth) -> Errors:
     """Return the errors of an estimate without a log: offset and tilt, up and right together."""
-    error = found.pose[:, :4] - np.stack([truth[name].values for name in POSE[:4]], axis=1)
+    error = found.pose[:, :4] - _joint.true_pose(truth)[:, :4]
     sigma = found.pose_sigma[:, :4]
     return {
         "offset": (error[:, :2].ravel(), sigma[:, :2].ravel()),
@@ -205,10 +171,5 @@ def table(single: list[Errors], double: list[Errors]) -> str:
 
 def main() -> None:
     """Print the table and put it into the page."""
-    runs, first = (int(os.environ.get(f"SPRINGLINE_{name}", n)) for name, n in (("RUNS", 20), ("FIRST", 1)))
-    both = [run(seed) for seed in range(first, first + runs)]
-    text = table([one for one, _ in both], [two for _, two in both])
-    print(text)
-    page = PAGE.read_text(encoding="utf-8")
-    between = re.compile(re.escape(MARKS[0]) + ".*?" + re.escape(MARKS[1]), re.DOTALL)
-    PAGE.write_text(between.sub(lambda _: MARKS[0] + text + MARKS[1], page), encoding="utf-8")
+    both = [run(seed) for seed in seeds(20)]
+    publish("rear", table([one for one, _ in both], [two for _, two in both]))

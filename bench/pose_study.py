@@ -8,18 +8,13 @@ stations of all runs; scalars of a survey over the runs. The table goes into `do
 
 from __future__ import annotations
 
-import os
-import re
-from pathlib import Path
-
 import numpy as np
 
-from bench._joint import AXES, TERMS, given, here, radii, true_axis, true_radii
-from springline.estimation import JointEstimate, JointOptions, estimate_joint, pooled_harmonics
+from bench import _joint
+from bench._estimator_page import publish, seeds
+from bench._joint import given, here, true_axis
+from springline.estimation import JointEstimate, JointOptions, estimate_joint
 from springline.simulate import parse, simulate
-
-PAGE = Path(__file__).parents[1] / "docs" / "estimator.md"
-MARKS = ("<!-- coverage -->\n", "<!-- end of coverage -->\n")
 
 SCENARIO = """
 name = "short"
@@ -126,8 +121,7 @@ def run(seed: int, *, harmonic: bool = False) -> tuple[dict[str, np.ndarray], di
 def estimate(made) -> JointEstimate:
     """Return the joint estimate of a simulated survey, as the product makes it."""
     arrays = given(made)
-    shape = pooled_harmonics(made.rings["range"].values, made.rings["bearing"].values, arrays.rings.parameters)
-    return estimate_joint(*arrays, harmonics=shape)
+    return estimate_joint(*arrays, harmonics=_joint.shape_of(made.rings, arrays.rings))
 
 
 def true_sag(found: JointEstimate, truth, axis: np.ndarray) -> dict[str, tuple[float, float]]:
@@ -146,12 +140,7 @@ def true_sag(found: JointEstimate, truth, axis: np.ndarray) -> dict[str, tuple[f
 
 def of_stations(found: JointEstimate, truth) -> dict[str, np.ndarray]:
     """Return errors over sigma of every quantity of a station."""
-    values, spread = radii(found)
-    out = dict(zip(("r1", "r2"), ((values - true_radii(truth)) / spread).T, strict=True))
-    for k, name in enumerate(TERMS):
-        out[name] = (found.pose[:, k] - truth[name].values) / found.pose_sigma[:, k]
-    for k, name in enumerate(AXES):
-        out[name] = (found.axis[:, k] - true_axis(truth)[:, k]) / found.axis_sigma[:, k]
+    out = {name: error / sigma for name, (error, sigma) in _joint.of_stations(found, truth).items()}
     grade = found.direction_sigma[:, 1] / np.cos(found.direction[:, 1]) ** 2
     out["gradient"] = (found.gradient - here(truth, "gradient")) / grade
     # The first station's chainage is what it is counted from.
@@ -179,17 +168,13 @@ def held(ratio: np.ndarray) -> float:
 
 def main() -> None:
     """Print the table and put it into the page."""
-    runs, first = (int(os.environ.get(f"SPRINGLINE_{name}", n)) for name, n in (("RUNS", 200), ("FIRST", 1)))
+    runs = seeds(200)
     stations: dict[str, list[np.ndarray]] = {}
     scalars: dict[str, list[float]] = {}
-    for seed in range(first, first + runs):
+    for seed in runs:
         one, some, _ = run(seed)
         for name, values in one.items():
             stations.setdefault(name, []).append(values)
         for name, value in some.items():
             scalars.setdefault(name, []).append(value)
-    text = table(stations, scalars, runs)
-    print(text)
-    page = PAGE.read_text(encoding="utf-8")
-    between = re.compile(re.escape(MARKS[0]) + ".*?" + re.escape(MARKS[1]), re.DOTALL)
-    PAGE.write_text(between.sub(lambda _: MARKS[0] + text + MARKS[1], page), encoding="utf-8")
+    publish("coverage", table(stations, scalars, len(runs)))

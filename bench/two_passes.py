@@ -7,18 +7,14 @@ marks.
 
 from __future__ import annotations
 
-import os
-import re
-from pathlib import Path
-
 import numpy as np
 
 import springline as sl
+from bench._estimator_page import publish, seeds
+from bench._joint import AXES, here
 from springline.geometry.measures import polar_radius
 from springline.simulate import parse, simulate
 
-PAGE = Path(__file__).parents[1] / "docs" / "estimator.md"
-MARKS = ("<!-- passes -->\n", "<!-- end of passes -->\n")
 SCENARIO = """
 name = "two passes"
 [pipe]
@@ -64,7 +60,6 @@ noise = 0.002
 chainages = [0.25, 10.2]
 sigma = "10mm"
 """
-AXES = ("easting", "northing", "elevation")
 SHOWN = {
     **dict.fromkeys(("diameter_x", "diameter_y", *AXES), (1e3, "mm")),
     "gradient": (1e2, "%"),
@@ -84,32 +79,32 @@ def passes(seed: int) -> tuple[sl.Survey, sl.Survey]:
         simulate(parse(SCENARIO.format(seed=seed, back=word, **drawn)), seed=2 * seed + k)
         for k, word in enumerate(("false", "true"))
     )
-    groups = {name: back.group(name) for name in back.groups}
-    groups["ties"] = back.ties.assign({name: ("tie", out.ties[name].values[::-1]) for name in AXES})
-    return out, sl.Survey(groups, back.attrs)
+    return out, tied_alike(out, back)
+
+
+def tied_alike(out: sl.Survey, back: sl.Survey) -> sl.Survey:
+    """Return a back pass with the known points as the out pass has them: their errors are the same ones."""
+    ties = back.ties.assign({name: ("tie", out.ties[name].values[::-1]) for name in AXES})
+    return sl.Survey({name: back.group(name) for name in back.groups} | {"ties": ties}, back.attrs)
 
 
 def errors(result: sl.Survey, truth) -> dict[str, tuple[np.ndarray, np.ndarray]]:
-    """Return errors and sigma by quantity."""
-
-    def here(name: str) -> np.ndarray:
-        return np.interp(truth["ring_chainage"].values, truth["chainage"].values, truth[name].values)
-
+    """Return errors and sigma of two diameters [m], and of the centreline where there is one."""
     shape, spread = result.section["parameters"].values, result.section["covariance"].values
     found = {}
     for name, bearing, sign in (("diameter_x", 0.0, 1.0), ("diameter_y", np.pi / 2, -1.0)):
         sigma = 2.0 * np.sqrt(spread[:, 0, 0] + spread[:, 1, 1] + 2.0 * sign * spread[:, 0, 1])
-        found[name] = (2.0 * polar_radius(shape, bearing) - here(name), sigma)
-    for name in (*AXES, "gradient"):
-        found[name] = (result.layout[name].values - here(name), result.layout[f"{name}_sigma"].values)
+        found[name] = (2.0 * polar_radius(shape, bearing) - here(truth, name), sigma)
+    for name in (*AXES, "gradient") if result.has("layout") else ():
+        found[name] = (result.layout[name].values - here(truth, name), result.layout[f"{name}_sigma"].values)
     return found
 
 
 def main() -> None:
     """Print the table and put it into the page."""
-    runs, first = (int(os.environ.get(f"SPRINGLINE_{name}", n)) for name, n in (("RUNS", 10), ("FIRST", 1)))
+    runs = seeds(10)
     alone, joined = [], []
-    for seed in range(first, first + runs):
+    for seed in runs:
         out, back = passes(seed)
         alone.append(errors(sl.inspect(out), out.truth))
         joined.append(errors(sl.inspect(out, back=back), out.truth))
@@ -124,8 +119,4 @@ def main() -> None:
             )
         (one, held_one), (both, held_both) = cells
         lines.append(f"| {name} [{unit}] | {one:.3f} | {both:.3f} | {held_one:.3f} | {held_both:.3f} |")
-    text = "\n".join(lines) + f"\n\nOf {runs} runs.\n"
-    print(text)
-    page = PAGE.read_text(encoding="utf-8")
-    between = re.compile(re.escape(MARKS[0]) + ".*?" + re.escape(MARKS[1]), re.DOTALL)
-    PAGE.write_text(between.sub(lambda _: MARKS[0] + text + MARKS[1], page), encoding="utf-8")
+    publish("passes", "\n".join(lines) + f"\n\nOf {len(runs)} runs.\n")

@@ -4,6 +4,7 @@ import json
 
 import numpy as np
 import pytest
+from bench._joint import here
 
 import springline as sl
 from springline.config import make_config
@@ -68,24 +69,19 @@ def result(made):
 
 def true_columns(truth):
     """Return the truth abreast of every ring, in the units of `stations.csv`."""
-    at = truth["ring_chainage"].values
-
-    def here(name):
-        return np.interp(at, truth["chainage"].values, truth[name].values)
-
     mm, deg = 1e3, 180.0 / np.pi
     return {
-        "chainage_m": at - 0.25,
+        "chainage_m": truth["ring_chainage"].values - 0.25,
         "offset_y_mm": mm * truth["offset_y"].values,
         "offset_z_mm": mm * truth["offset_z"].values,
         "pitch_deg": deg * truth["pitch"].values,
         "yaw_deg": deg * truth["yaw"].values,
         "roll_deg": deg * truth["roll"].values,
-        "ovality_polar_pct": 1e2 * here("ovality_polar"),
-        "easting_m": here("easting"),
-        "northing_m": here("northing"),
-        "elevation_m": here("elevation"),
-        "gradient_pct": 1e2 * here("gradient"),
+        "ovality_polar_pct": 1e2 * here(truth, "ovality_polar"),
+        "easting_m": here(truth, "easting"),
+        "northing_m": here(truth, "northing"),
+        "elevation_m": here(truth, "elevation"),
+        "gradient_pct": 1e2 * here(truth, "gradient"),
     }
 
 

@@ -2,10 +2,10 @@
 
 import numpy as np
 import pytest
+from bench.two_passes import errors, tied_alike
 
 import springline as sl
 from springline.errors import InputError
-from springline.geometry.measures import polar_radius
 from springline.geometry.passes import align, combined, less
 from springline.simulate import parse, simulate
 
@@ -59,30 +59,12 @@ LENGTH = 6.0 + 1.5 * np.radians(22.5)
 def passes(seed, ties=True):
     """Return an out and a back pass between the same known points."""
     out, back = (simulate(parse(SCENARIO.format(back=word)), seed=seed + k) for k, word in enumerate(("false", "true")))
-    known = back.ties.assign({n: ("tie", out.ties[n].values[::-1]) for n in ("easting", "northing", "elevation")})
-    groups = [{name: one.group(name) for name in one.groups} for one in (out, back)]
-    groups[1]["ties"] = known
-    for group in groups:
-        if not ties:
-            del group["ties"]
-    return tuple(sl.Survey(group, one.attrs) for group, one in zip(groups, (out, back), strict=True))
+    pair = out, tied_alike(out, back)
+    return pair if ties else tuple(without_ties(one) for one in pair)
 
 
-def errors(result, truth):
-    """Return errors and sigma of two diameters [m] and of the centreline."""
-
-    def here(name):
-        return np.interp(truth["ring_chainage"].values, truth["chainage"].values, truth[name].values)
-
-    shape, spread = result.section["parameters"].values, result.section["covariance"].values
-    found = {}
-    for name, bearing, sign in (("diameter_x", 0.0, 1.0), ("diameter_y", np.pi / 2, -1.0)):
-        sigma = 2.0 * np.sqrt(spread[:, 0, 0] + spread[:, 1, 1] + 2.0 * sign * spread[:, 0, 1])
-        found[name] = (2.0 * polar_radius(shape, bearing) - here(name), sigma)
-    for name in ("easting", "northing", "elevation", "gradient"):
-        if result.has("layout"):
-            found[name] = (result.layout[name].values - here(name), result.layout[f"{name}_sigma"].values)
-    return found
+def without_ties(one):
+    return sl.Survey({name: one.group(name) for name in one.groups if name != "ties"}, one.attrs)
 
 
 def rms(values):

@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
+from bench.two_passes import errors
 
 import springline as sl
-from springline.geometry.measures import polar_radius
 from springline.simulate import parse, simulate
 
 SCENARIO = """
@@ -48,13 +48,10 @@ def test_a_section_that_changes_slowly_is_not_taken_for_side_slip(seed):
     made = simulate(parse(SCENARIO), seed=seed)
     found, truth = sl.inspect(made), made.truth
     assert found.has("layout")
-    shape, spread = found.section["parameters"].values, found.section["covariance"].values
-    at = truth["ring_chainage"].values
-    for name, bearing, sign in (("diameter_x", 0.0, 1.0), ("diameter_y", np.pi / 2, -1.0)):
-        error = 2.0 * polar_radius(shape, bearing) - np.interp(at, truth["chainage"].values, truth[name].values)
-        sigma = 2.0 * np.sqrt(spread[:, 0, 0] + spread[:, 1, 1] + 2.0 * sign * spread[:, 0, 1])
+    off = errors(found, truth)
+    for name in ("diameter_x", "diameter_y"):
+        error, sigma = off[name]
         assert np.sqrt(np.mean(error**2)) < 2.0e-4
         assert np.sqrt(np.mean((error / sigma) ** 2)) < 1.5
-    pose = found.pose
-    off = pose["yaw"].values - truth["yaw"].values
-    assert np.sqrt(np.mean((off / pose["yaw_sigma"].values) ** 2)) < 1.5
+    yaw = found.pose["yaw"].values - truth["yaw"].values
+    assert np.sqrt(np.mean((yaw / found.pose["yaw_sigma"].values) ** 2)) < 1.5
