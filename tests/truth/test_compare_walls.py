@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from bench._compare_walls import off, repeat
+from bench._compare_walls import again, off, repeat
 
 from springline.compare import compare, match, refine, wall_of
 
@@ -87,3 +87,15 @@ def test_another_pipe_is_refused(rough):
     found = compare(a.result, other.result)
     assert not found
     assert "same pipe" in found.reason
+
+
+def test_joints_that_look_alike_do_not_draw_the_rings_to_the_next():
+    # Joints stand out more than the wall's relief does: taken for relief, one laid four metres on the next but one.
+    a, b = again("hinged", 13)
+    wall_a, wall_b = wall_of(a), wall_of(b)
+    placed = refine(None, wall_a, wall_b)
+    x = np.linspace(1.0, 18.5, 200)
+    true_a, true_b = (s.truth["ring_chainage"].values for s in (a, b))
+    y = np.interp(np.interp(x, wall_a.chainage, true_a), true_b, wall_b.chainage)
+    assert placed.refined_at(x).all()
+    assert np.abs(placed.at(x)[0] - y).max() < 0.005

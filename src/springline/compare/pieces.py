@@ -24,6 +24,8 @@ _LEAST_RINGS = 16
 _FINEST = 0.002  # m
 _HALF_MODE = 0.03  # m
 _LEAST_AGREEMENT = 0.15
+_MISREAD = 1e-3  # share of pieces that say nothing: covered, changed, or read past a fault
+_OUT_OF_ORDER = 1e-6  # m
 UPRIGHT_SIGMA = np.radians(3.0)
 FLOOR = 5e-4  # m: what a straight piece of a drift that bends may be off
 
@@ -120,7 +122,8 @@ def _chain(
     for i, rows in enumerate(pieces):
         found = log_ratio(filtered, rows, 0, most, fine, prior)
         top = found.max(axis=1)
-        ratio[i] = top + np.log(np.exp(found - top[:, None]).sum(axis=1))
+        told = top + np.log(np.exp(found - top[:, None]).sum(axis=1))
+        ratio[i] = np.logaddexp(np.log1p(-_MISREAD) + told, np.log(_MISREAD))
     x = np.array([0.5 * (grid[p.start] + grid[p.stop - 1]) for p in pieces])
     if pairs is not None:
         _add_pairs(ratio, x, drift, base, pairs)
@@ -131,7 +134,11 @@ def _chain(
     gamma, evidence = chain.posterior(ratio, np.diff(x), walk, options.slip_rate, options.slip_scale, cell, start)
     place, variance, probability = chain.likeliest(gamma, drift, max(_HALF_MODE, 2.0 * cell))
     sigma = np.sqrt(variance + cell**2 / 12.0 + FLOOR**2)
-    return Tracked(x, _rising(x, base.at(x) + place), sigma, probability, float(evidence))
+    y = base.at(x) + place
+    rising = _rising(x, y)
+    # A place that had to be put in order is not known, however sharp its own likelihood.
+    probability = np.where(np.abs(rising - y) > _OUT_OF_ORDER, 0.0, probability)
+    return Tracked(x, rising, sigma, probability, float(evidence))
 
 
 def _roll_prior(cells: int, sigma: float) -> NDArray[np.float64]:

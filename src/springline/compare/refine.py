@@ -120,7 +120,7 @@ def _registration(
     spread = options.walk**2 + 2.0 * options.slip_rate * options.slip_scale**2
     x, y, sigma, probability = _to_ends(track, a.extent, spread)
     ends = [np.r_[v[0], v, v[-1]] for v in (fine, roll, roll_sigma)]
-    spans = (*(s for s in flagged if s.reason == "not inspected by both"), *_slips(x, y, sigma, ends[0]))
+    spans = (*(s for s in flagged if s.reason == "not inspected by both"), *_slips(x, y, sigma))
     if turned:
         y = sum(extent_b) - y
     drift = Drift(x, y, sigma, probability, options.walk**2)
@@ -143,7 +143,7 @@ def _to_ends(track: Tracked, extent: tuple[float, float], spread: float) -> tupl
     )
 
 
-def _slips(x: NDArray, y: NDArray, sigma: NDArray, fine: NDArray) -> tuple[Span, ...]:
+def _slips(x: NDArray, y: NDArray, sigma: NDArray) -> tuple[Span, ...]:
     """Return the stretches between nodes in which one odometer slipped, somewhere."""
     gap, rise = np.diff(x), np.diff(y)
     scale = float(np.median(rise / gap))
@@ -151,7 +151,7 @@ def _slips(x: NDArray, y: NDArray, sigma: NDArray, fine: NDArray) -> tuple[Span,
     least = _SLIP + 4.0 * np.hypot(sigma[1:], sigma[:-1])
     return tuple(
         Span(float(x[i]) - _SLIP_REACH, float(x[i + 1]) + _SLIP_REACH, "an odometer slipped somewhere in it")
-        for i in np.flatnonzero((off > least) & fine[1:] & fine[:-1])
+        for i in np.flatnonzero(off > least)
     )
 
 

@@ -36,8 +36,12 @@ class Relief:
 
 
 def relief(wall: Wall, chainage: NDArray[np.float64], step: float) -> Relief:
-    """Return the relief at `chainage` (n,) [m] of the wall, a grid of about `step` [m]; its swell is taken away."""
-    surface, seen = sample(wall.chainage, wall.surface, chainage, 3.0 * max(wall.spacing, step))
+    """Return the relief at `chainage` (n,) [m] of the wall, a grid of about `step` [m]; its swell is taken away.
+
+    Rings at joints are left out: one joint looks like the next, and which ring meets it is chance.
+    """
+    plain = np.where(wall.at_joint[:, None], np.float32(np.nan), wall.surface)
+    surface, seen = sample(wall.chainage, plain, chainage, 3.0 * max(wall.spacing, step))
     scatter = 1.4826 * float(np.median(np.abs(surface[seen]))) if seen.any() else 0.0
     field = np.clip(surface, -_CLIP * scatter, _CLIP * scatter)
     width = max(3, round(_SWELL / step))

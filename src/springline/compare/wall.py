@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -11,6 +12,7 @@ from ..conventions import MASK_REASONS
 from ..errors import ContractError
 from ..geometry.measures import polar_radius
 from ..geometry.robot.attitude import frame
+from .edges import joint_rows
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -70,6 +72,12 @@ class Wall:
     def radius(self) -> float:
         """Usual mean radius [m]."""
         return float(np.nanmedian(self.parameters[:, 0]))
+
+    @cached_property
+    def at_joint(self) -> NDArray[np.bool_]:
+        """Whether each ring (n,) stands out from those beside it as a joint does."""
+        seen = np.isfinite(self.surface)
+        return joint_rows(np.where(seen, self.surface, 0.0), seen, self.parameters, self.spacing)
 
     def upright(self) -> bool:
         """Return whether the vertical of the bearings was measured."""
