@@ -16,6 +16,8 @@ WIDE = 0.7
 """Bores beyond this share of the pipe's radius are unusual."""
 WIDER = 0.1
 """How fast they become so, relative."""
+HELD = 1e-8
+"""One-sigma of the prior below which a parameter stays where it is."""
 WALK, STRIDE = 4, 4.0
 """Steps towards the model's edge, and the longest of them [px]."""
 
@@ -140,7 +142,7 @@ def _cost(lateral, radii, residuals, noise, parameters, mean, sigma):  # type: i
     for k in range(residuals.shape[0]):
         total += 0.5 * square * math.log1p((residuals[k] / noise) ** 2 / square)
     for p in range(parameters.shape[0]):
-        if sigma[p] < 1e300:
+        if sigma[p] < np.inf:
             total += 0.5 * ((parameters[p] - mean[p]) / sigma[p]) ** 2
     return total + 0.5 * _excess(lateral, radii, parameters) ** 2
 
@@ -161,7 +163,7 @@ def _normal(lateral, sets, axes, eye, radii, parameters, sigma, noise, base, pla
     slopes = np.zeros((count, size))
     moved = np.empty(count)
     for p in range(size):
-        if sigma[p] < 1e-8:
+        if sigma[p] < HELD:
             continue
         step = 1e-5 * (radii[0] if p < 3 else 1.0)
         trial = parameters.copy()
@@ -198,12 +200,12 @@ def solve(lateral, sets, axes, eye, radii, start, mean, sigma, noise, steps):  #
     for step in range(steps):
         information, gradient = _normal(lateral, sets, axes, eye, radii, best, sigma, coarse, here, places, off)
         for p in range(size):
-            if sigma[p] < 1e-8:
+            if sigma[p] < HELD:
                 information[p, :] = 0.0
                 information[:, p] = 0.0
                 information[p, p] = 1.0
                 gradient[p] = 0.0
-            elif sigma[p] < 1e300:
+            elif sigma[p] < np.inf:
                 information[p, p] += 1.0 / sigma[p] ** 2
                 gradient[p] += (best[p] - mean[p]) / sigma[p] ** 2
         excess = _excess(lateral, radii, best)
@@ -237,11 +239,12 @@ def solve(lateral, sets, axes, eye, radii, start, mean, sigma, noise, steps):  #
 
 @njit(cache=True)
 def information(lateral, sets, axes, eye, radii, parameters, sigma, noise):  # type: ignore[no-untyped-def]
+    """What the points and the prior know of the parameters: the inverse of their covariance."""
     count = sets.shape[1]
     places, off, base = np.empty((count, 3)), np.empty((3, count)), np.empty(count)
     residuals(lateral, sets, axes, eye, radii, parameters, places, off, base)
     information, _ = _normal(lateral, sets, axes, eye, radii, parameters, sigma, noise, base, places, off)
     for p in range(parameters.shape[0]):
-        if sigma[p] < 1e300:
-            information[p, p] += 1.0 / max(sigma[p], 1e-8) ** 2
+        if sigma[p] < np.inf:
+            information[p, p] += 1.0 / max(sigma[p], HELD) ** 2
     return information

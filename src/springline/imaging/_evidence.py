@@ -13,14 +13,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 from scipy.optimize import isotonic_regression
 
-from springline.imaging._casting import ROBUST, WIDE, WIDER, cast, off_edge, residuals
+from springline.imaging._casting import HELD, ROBUST, WIDE, WIDER, cast, off_edge, residuals
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     Array = NDArray[np.float64]
 
-_HELD = 1e-8
 _HARMONICS = np.arange(2, 7)
 _UNEVEN = (0.05, 0.1, 0.2, 0.4)
 """How far a stain's outline departs from a round one, of its radius: one-sigma in all, each as likely as the others."""
@@ -45,7 +44,7 @@ def occam(information: Array, sigma: Array, radius: float) -> float:
     bound = np.isfinite(sigma)
     known = information + np.diag(np.where(bound, 0.0, loose**-2.0))
     width = np.where(bound, sigma, loose)
-    free = np.flatnonzero(width > _HELD)
+    free = np.flatnonzero(width > HELD)
     scaled = known[np.ix_(free, free)] * np.outer(width[free], width[free])
     return 0.5 * float(np.linalg.slogdet(scaled)[1])
 
@@ -111,7 +110,7 @@ def stain(
     angle = _HARMONICS[:, None] * turn
     waves = (slopes[:, 7] * np.concatenate([np.cos(angle), np.sin(angle)])).T
     falling = np.concatenate([1.0 / _HARMONICS] * 2)
-    bound = np.isfinite(sigma) & (sigma > _HELD)
+    bound = np.isfinite(sigma) & (sigma > HELD)
     tight = np.where(bound, np.where(bound, sigma, 1.0) ** -2.0, 0.0)
     pull = slopes.T @ (weight * here) + np.where(bound, tight * (found - mean), 0.0)
     wide = max(found[7] - math.log(WIDE * radii.min()), 0.0)
@@ -147,7 +146,7 @@ def _slopes(sets: Array, axes: Array, eye: Array, radii: Array, found: Array, si
     if base is None:
         return None
     slopes = np.zeros((len(base), len(found)))
-    for k in np.flatnonzero(sigma > _HELD):
+    for k in np.flatnonzero(sigma > HELD):
         # the limits of size and inclination lie above
         step = -1e-5 * (radii[0] if k < 3 else 1.0) * (1.0 if found[k] >= 0.0 else -1.0)
         there = found.copy()
