@@ -142,7 +142,7 @@ FAULTS = {
         L + "".join(f"{d},{a + 0.7 * d},150\n" for d in range(4) for a in (0, 90, 180)),
         "do not share their bearings",
     ),
-    "neither": ("alpha,beta\n1,2\n", "columns 'alpha, beta'"),
+    "neither": ("alpha,beta\n1,2\n", "columns alpha, beta are neither"),
 }
 
 
@@ -193,6 +193,49 @@ def test_numpy_rings(tmp_path):
     np.savez(tmp_path / "b.npz", distance_m=[0.0, 1.0], range_mm=ranges.T)
     with pytest.raises(InputError, match="shape"):
         sl.read(tmp_path / "b.npz")
+
+
+def test_columns_of_numpy_are_a_ring_table(tmp_path):
+    wide = {
+        "time_s": [5.0, 6.0],
+        "distance_m": [0.0, 1.0],
+        "r_0_mm": [150, 153],
+        "r_1_mm": [151, 0],
+        "r_2_mm": [152, 154],
+    }
+    np.savez(tmp_path / "wide.npz", **wide)
+    rings = sl.read(tmp_path / "wide.npz").rings
+    np.testing.assert_allclose(rings["range"], [[0.150, 0.151, 0.152], [0.153, np.nan, 0.154]], rtol=1e-7)
+    np.testing.assert_allclose(rings["time"], [5, 6])
+    long = {"distance_m": [0.0, 0, 1, 1], "bearing_deg": [0, 90, 0, 90], "radius_m": [0.15, 0.16, 0.17, 0.18]}
+    np.savez(tmp_path / "long.npz", **long)
+    np.testing.assert_allclose(sl.read(tmp_path / "long.npz").rings["range"], [[0.15, 0.16], [0.17, 0.18]], rtol=1e-6)
+    np.savez(tmp_path / "short.npz", **wide | {"r_1_mm": [151]})
+    with pytest.raises(InputError, match="'time_s' has 2 values and 'r_1_mm' 1"):
+        sl.read(tmp_path / "short.npz")
+    np.savez(tmp_path / "text.npz", **wide | {"r_1_mm": ["a", "b"]})
+    with pytest.raises(InputError, match="array r_1_mm: it holds <U1"):
+        sl.read(tmp_path / "text.npz")
+
+
+@pytest.mark.parametrize("same", [True, False])
+def test_a_long_table_comes_back_as_a_wide_one_does(tmp_path, same):
+    out = np.arange(12.0)
+    distances = np.concatenate([out, out[-2::-1] + (0.0 if same else 0.25)])
+    ranges = 150.0 + np.arange(len(distances))[:, None] + np.arange(4) / 8
+    long = "".join(f"{d},{90 * k},{ranges[i, k]}\n" for i, d in enumerate(distances) for k in range(4))
+    wide = "".join(f"{d},{','.join(map(str, ranges[i]))}\n" for i, d in enumerate(distances))
+    one = read(tmp_path, "distance_m,bearing_deg,radius_mm\n" + long, "long.csv").rings
+    two = read(tmp_path, "distance_m,r_0_mm,r_1_mm,r_2_mm,r_3_mm\n" + wide, "wide.csv").rings
+    np.testing.assert_array_equal(one["range"], two["range"])
+    np.testing.assert_array_equal(one["distance"], distances)
+
+
+def test_a_long_table_that_goes_elsewhere_is_refused(tmp_path):
+    distances = [*range(12), *range(9, 0, -1)]
+    text = "".join(f"{d + 0.5 * (i > 11)},{90 * k},150\n" for i, d in enumerate(distances) for k in range(4))
+    with pytest.raises(InputError, match=r"row 50: the distance goes back: 11, then 9\.5; .* may come back once"):
+        read(tmp_path, "distance_m,bearing_deg,radius_mm\n" + text)
 
 
 def test_a_table_in_blocks_is_one_table(tmp_path, monkeypatch):

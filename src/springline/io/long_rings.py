@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..errors import InputError
+from ..survey.turning import FEWEST, turn_of
 from .columns import Column, factor, find
 from .ring_arrays import RingArrays, clean_ranges
 
@@ -24,7 +25,8 @@ _SPREAD = 1.5
 def read_long(table: Table, columns: list[Column], units: Mapping[str, str]) -> RingArrays:
     """Return rings from a long table; readings that a ring lacks are NaN.
 
-    Rows of one distance form one ring, in whatever order its readings stand.
+    Rows of one distance form one ring, in whatever order its readings stand; in a run that comes back, rows of one
+    distance that follow one another.
 
     Args:
         table: The table.
@@ -88,17 +90,23 @@ def _angles(values: np.ndarray, column: Column, units: Mapping[str, str], path: 
 
 
 def _rings(distance: np.ndarray, rows: np.ndarray, path: Path) -> tuple[np.ndarray, np.ndarray]:
-    """Return the distance of each ring, and the ring that each row belongs to."""
+    """Return the distance of each ring, and the ring that each row belongs to.
+
+    A distance that stands twice is one ring, but in a run that comes back: there it is one of either way.
+    """
+    change = np.diff(distance) != 0
+    runs = distance[np.concatenate([[True], change])]
+    if turn_of(runs) is not None:
+        return runs, np.concatenate([[0], np.cumsum(change)])
     distances, ring = np.unique(distance, return_inverse=True)
-    runs = int((np.diff(distance) != 0).sum()) + 1
     back = np.flatnonzero(np.diff(distance) < 0)
-    if runs == len(distances) and back.size:
+    if len(runs) == len(distances) and back.size:
         k = int(back[0]) + 1
         raise InputError(
             f"the distance goes back: {distance[k - 1]:g}, then {distance[k]:g}",
             where=f"{path}, row {rows[k]}",
             expected="distances that increase along travel",
-            mend="split out-and-back runs into one table each",
+            mend=f"a run may come back once, with {FEWEST} rings or more either way; split others into one table each",
         )
     return distances, ring
 

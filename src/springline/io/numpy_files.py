@@ -5,6 +5,7 @@ from __future__ import annotations
 import tokenize
 import zipfile
 import zlib
+from dataclasses import dataclass
 from math import pi
 from typing import TYPE_CHECKING
 
@@ -15,9 +16,11 @@ from .axes import CAMERA
 from .clouds import RawCloud, cloud_survey
 from .columns import factor, parse_column
 from .ring_arrays import RingArrays, clean_ranges
-from .rings import Statements, rings_from_arrays
+from .rings import Statements, is_ring_table, ring_survey, rings_from_arrays
+from .tables import Rows
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator
     from pathlib import Path
 
     from ..survey import Survey
@@ -35,7 +38,8 @@ def read_numpy(path: Path, options: ReadOptions, statements: Statements | None =
     A cloud is an array (point, 3 or more) whose first columns are x, y, z, or a record array with these fields; in an
     NPZ it is called points, xyz or cloud, or stands as three arrays x, y, z. Rings are the arrays of an NPZ
     `distance_m` (ring,) and `range_m` (ring, reading), with `time_s` (ring,) and `bearing_deg` (reading,) if known;
-    readings are at equal bearings otherwise.
+    readings are at equal bearings otherwise. Or they are the columns of a ring table, each an array of its own, as
+    `distance_m, r_0 ... r_n`.
 
     Raises:
         FormatError: Damaged, or the arrays are neither of these.
@@ -46,10 +50,39 @@ def read_numpy(path: Path, options: ReadOptions, statements: Statements | None =
         arrays = {"points": loaded} if isinstance(loaded, np.ndarray) else {name: loaded[name] for name in loaded.files}
     except _DAMAGE as error:
         raise FormatError(f"cut short or damaged: {error}", where=path, mend="copy or save it again") from None
+    columns = all(array.ndim == 1 for array in arrays.values()) and not {"x", "y", "z"} <= set(arrays)
+    if columns and is_ring_table(tuple(arrays)):
+        return ring_survey(_columns(arrays, path), options, statements)
     by_quantity = {parse_column(name).quantity: name for name in arrays}
     if "distance" in by_quantity and {"range", "ranges"} & set(by_quantity):
         return _rings(arrays, path, options, statements)
     return cloud_survey(RawCloud(_cloud(arrays, path), axes=CAMERA), path, options)
+
+
+@dataclass(frozen=True)
+class _ArrayTable:
+    path: Path
+    names: tuple[str, ...]
+    values: np.ndarray
+
+    def blocks(self) -> Iterator[Rows]:
+        """Yield the table's numbers; rows count from 1."""
+        yield Rows(np.arange(1, len(self.values) + 1), self.values)
+
+
+def _columns(arrays: dict[str, np.ndarray], path: Path) -> _ArrayTable:
+    first, *others = arrays
+    for name, array in arrays.items():
+        if array.dtype.kind not in "fiu":
+            raise InputError(f"it holds {array.dtype}", where=f"{path}, array {name}", expected="numbers")
+    for name in others:
+        if arrays[name].shape != arrays[first].shape:
+            raise FormatError(
+                f"'{first}' has {arrays[first].size} values and '{name}' {arrays[name].size}",
+                where=path,
+                expected="columns of one length",
+            )
+    return _ArrayTable(path, tuple(arrays), np.column_stack([*arrays.values()]).astype(np.float64))
 
 
 def _cloud(arrays: dict[str, np.ndarray], path: Path) -> np.ndarray:
