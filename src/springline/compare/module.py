@@ -11,28 +11,45 @@ from .features import JOINT, FeatureList
 _FEWEST_JOINTS = 4
 _REGULAR = 0.05
 _TOLERANCE = 0.2
+_ONE_LENGTH = 0.1  # of a length, by which a distance may be off the whole lengths in it when the length is sought
 _MOST_LENGTHS = 8
+_MOST_MISSED = 4  # lengths between neighbours of the list by which the length itself is told
 
 
 def joint_module(features: FeatureList) -> tuple[float, float]:
     """Return the distance between joints [m] and its standard deviation [m]; NaN when too few joints show it.
 
-    The median of the distances is taken for one pipe's length; only distances near it count, so that a missed joint
-    (twice the length) or a false one (a part of it) does not.
+    Each distance between neighbours, or a half to a quarter of it, is tried as the length: a distance of k whole lengths
+    counts 1 / k for it, so that a length is taken before its half, though joints were missed, and false ones found.
 
     >>> from .features import feature_list
     >>> joint_module(feature_list([0.0, 2.0, 4.0, 6.1, 10.1, 12.0], "joint"))[0]
     2.0
+    >>> joint_module(feature_list([0.0, 4.0, 6.0, 12.0, 16.0, 18.0, 24.0], "joint"))[0]
+    2.0
     """
     x = features.chainage[features.kind == JOINT]
-    if x.size < _FEWEST_JOINTS:
-        return np.nan, np.nan
     gaps = np.diff(x)
-    module = float(np.median(gaps))
-    near = gaps[np.abs(gaps - module) < 0.3 * module]
-    if near.size < _FEWEST_JOINTS - 1:
+    gaps = gaps[gaps > 0]
+    if x.size < _FEWEST_JOINTS or gaps.size < _FEWEST_JOINTS - 1:
         return np.nan, np.nan
-    return module, float(1.4826 * np.median(np.abs(near - np.median(near))))
+    tried = np.unique(gaps[:, None] / np.arange(1, _MOST_MISSED + 1))
+    tried = tried[tried >= gaps.min() * (1.0 - _ONE_LENGTH)]
+    lengths, off = _whole_lengths(gaps, tried[:, None])
+    best = tried[np.argmax(((np.abs(off) < _ONE_LENGTH) / lengths).sum(axis=1))]
+    lengths, off = _whole_lengths(gaps, best)
+    near = np.abs(off) < _ONE_LENGTH
+    if near.sum() < _FEWEST_JOINTS - 1:
+        return np.nan, np.nan
+    module = float(np.median(gaps[near] / lengths[near]))
+    own = (gaps[near] - lengths[near] * module) / np.sqrt(lengths[near])
+    return module, float(1.4826 * np.median(np.abs(own - np.median(own))))
+
+
+def _whole_lengths(gaps: np.ndarray, length: np.ndarray | float) -> tuple[np.ndarray, np.ndarray]:
+    """Return how many whole lengths lie in each gap, at least one, and by how much of a length it is off them."""
+    lengths = np.clip(np.round(gaps / length), 1, _MOST_MISSED)
+    return lengths, gaps / length - lengths
 
 
 @dataclass(frozen=True)
