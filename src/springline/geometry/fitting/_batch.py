@@ -74,31 +74,21 @@ def run(
     """
     shape, take = source
     rings, points = shape
-    weights, keep = options.weights, options.keep_weights
-    if weights is not None:
-        weights = _spread(np.asarray(weights), shape)
+    keep = options.keep_weights
+    weights = None if options.weights is None else spread("weights", np.asarray(options.weights), shape)
     par, cov, out = np.empty((rings, size)), np.empty((rings, size, size)), np.empty((rings, 2))
     used, status = np.empty(rings, np.int64), np.empty(rings, np.uint8)
     omega = np.zeros(shape, np.float32) if keep else np.zeros((1, 1), np.float32)
     no_weight = np.ones((1, 1))
 
-    def one(start: int) -> None:
-        part = slice(start, start + CHUNK)
+    def one(part: slice) -> None:
         z, y = take(part)
         weight = no_weight if weights is None else np.ascontiguousarray(weights[part], np.float64)
         kept = omega[part] if keep else omega
         kernel(z, y, weight, weights is not None, keep, par[part], cov[part], out[part], used[part], status[part], kept)
 
-    starts = range(0, rings, CHUNK)
-    workers = min(options.workers or _cores(), len(starts))
-    if workers > 1:
-        with ThreadPoolExecutor(workers) as pool:
-            # list() raises whatever a chunk raised
-            list(pool.map(one, starts))
-    else:
-        for start in starts:
-            one(start)
-    cov *= _widening(used, size, points, robust=options.robust)[:, None, None]
+    in_chunks(one, rings, CHUNK, options.workers)
+    cov *= widening(used, size, points, robust=options.robust)[:, None, None]
     return {
         "parameters": par,
         "covariance": cov,
@@ -136,18 +126,32 @@ def fit(size: int, source: tuple, options: Resolved) -> dict[str, NDArray | str 
     return run(kernel, source, size, options)
 
 
-def _spread(weights: NDArray, shape: tuple[int, int]) -> NDArray:
+def spread(name: str, values: NDArray, shape: tuple[int, ...]) -> NDArray:
+    """Return `values` broadcast to `shape`; ParameterError names them when they do not fit."""
     try:
-        return np.broadcast_to(weights, shape)
+        return np.broadcast_to(values, shape)
     except ValueError:
-        raise ParameterError(f"weights has shape {weights.shape}", expected=f"one that broadcasts to {shape}") from None
+        raise ParameterError(f"{name} has shape {values.shape}", expected=f"one that broadcasts to {shape}") from None
+
+
+def in_chunks(call: Callable[[slice], None], rings: int, size: int, workers: int | None) -> None:
+    """Call `call` with slices of `size` rings, on so many threads, as many as there are cores unless given."""
+    parts = [slice(start, start + size) for start in range(0, rings, size)]
+    workers = min(workers or _cores(), len(parts))
+    if workers > 1:
+        with ThreadPoolExecutor(workers) as pool:
+            # list() raises whatever a chunk raised
+            list(pool.map(call, parts))
+    else:
+        for part in parts:
+            call(part)
 
 
 def _cores() -> int:
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
-def _widening(used: NDArray, size: int, points: int, *, robust: bool) -> NDArray:
+def widening(used: NDArray, size: int, points: int, *, robust: bool) -> NDArray:
     """Return the factor per ring by which few readings widen the covariance.
 
     Student's 97.5 % point with used - size degrees of freedom over the normal one, squared; and, where outliers were

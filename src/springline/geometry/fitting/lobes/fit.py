@@ -2,18 +2,15 @@
 
 from __future__ import annotations
 
-from concurrent.futures import ThreadPoolExecutor
 from typing import TYPE_CHECKING, Unpack
 
 import numpy as np
 
-from springline.errors import ParameterError
 from springline.geometry.checks import choice, require
 
 from .. import _batch
-from ..options import NOISE_MODELS, resolve
 from ..shapes import kernels
-from ..shapes.arguments import places, spread
+from ..shapes.arguments import places, resolved, spread
 from .follow import fit_chunk
 from .kernels import HOST, LOBE
 from .report import Found, Task
@@ -80,55 +77,54 @@ def fit_lobe(
     >>> fits.lobed.tolist(), np.degrees(fits["half_angle"]).round(0).tolist(), fits["depth"].round(3).tolist()
     ([True], [30.0], [0.01])
     """
-    chosen = resolve(options, {"geometric": -1})
-    if chosen.noise == NOISE_MODELS["isotropic"]:
-        raise ParameterError("noise is 'isotropic', whose bias is known for ellipses only", mend="give 'range'")
+    chosen = resolved(options)
     task = _task(kind, power, free_power, false_alarm, chosen)
     (rings, points), take = _batch.ranges_source(ranges, bearings)
-    weights = None if chosen.weights is None else spread("weights", chosen.weights, (rings, points))
-    hosts = None if host is None else spread("host", host, (rings, HOST))
+    weights, hosts = spread("weights", chosen.weights, (rings, points)), spread("host", host, (rings, HOST))
     where, status, used = places(ranges, bearings, options)
     found = Found.empty(rings, points, keep=chosen.keep_weights, residuals=keep_residuals)
     found.status[:], found.used[:] = status, used
 
-    def run(start: int) -> None:
-        part = slice(start, start + CHUNK)
+    def run(part: slice) -> None:
         z, y = take(part)
         some, own = (None if x is None else x[part] for x in (weights, hosts))
         fit_chunk(task, z, y, some, where[:, part], own, found.part(part))
 
-    with ThreadPoolExecutor(chosen.workers or _batch._cores()) as pool:
-        list(pool.map(run, range(0, rings, CHUNK)))
+    _batch.in_chunks(run, rings, CHUNK, chosen.workers)
     free = 2 + (HOST if host is None else 0)
     for covariance, size in ((found.host_covariance, free), (found.lobe_covariance, free + LOBE - 1 + free_power)):
-        covariance *= _batch._widening(found.used, size, points, robust=chosen.robust)[:, None, None]
-    return decided(
-        LobeFits(
-            parameters=found.host,
-            covariance=found.host_covariance,
-            residual_rms=found.rms,
-            noise_sigma=found.noise,
-            n_used=found.used,
-            status=found.status,
-            host_status=found.status,
-            lobe_status=found.lobe_status,
-            method=chosen.method,
-            weights=found.weights,
-            kind=task.kind,
-            lobed=np.zeros(rings, bool),
-            evidence=found.evidence,
-            false_alarm=np.full(rings, np.nan),
-            rate=false_alarm,
-            power=task.power,
-            host_known=host is not None,
-            free_power=free_power,
-            alternative=found.lobe,
-            alternative_covariance=found.lobe_covariance,
-            host=found.host,
-            host_covariance=found.host_covariance,
-            misfit=found.misfit,
-            residuals=found.residuals,
-        )
+        covariance *= _batch.widening(found.used, size, points, robust=chosen.robust)[:, None, None]
+    return decided(_undecided(found, task, false_alarm, host_known=host is not None))
+
+
+def _undecided(found: Found, task: Task, rate: float, *, host_known: bool) -> LobeFits:
+    """Return what was found before any lobe is believed."""
+    rings = len(found.status)
+    return LobeFits(
+        parameters=found.host,
+        covariance=found.host_covariance,
+        residual_rms=found.rms,
+        noise_sigma=found.noise,
+        n_used=found.used,
+        status=found.status,
+        host_status=found.status,
+        lobe_status=found.lobe_status,
+        method=task.options.method,
+        weights=found.weights,
+        kind=task.kind,
+        lobed=np.zeros(rings, bool),
+        evidence=found.evidence,
+        false_alarm=np.full(rings, np.nan),
+        rate=rate,
+        power=task.power,
+        host_known=host_known,
+        free_power=task.free_power,
+        alternative=found.lobe,
+        alternative_covariance=found.lobe_covariance,
+        host=found.host,
+        host_covariance=found.host_covariance,
+        misfit=found.misfit,
+        residuals=found.residuals,
     )
 
 

@@ -1,4 +1,4 @@
-"""What the fits of sections and of lobes make of their arguments: places to start from, arrays spread over rings."""
+"""What the fits of sections and of lobes make of their arguments: options, arrays over rings, places to start."""
 
 from __future__ import annotations
 
@@ -8,28 +8,39 @@ import numpy as np
 
 from springline.errors import ParameterError
 
+from .. import _batch
 from .._judge import COLLINEAR, TOO_FEW
 from ..circles import fit_circles_to_ranges
 from ..ellipses import fit_ellipses_to_ranges
+from ..options import GEOMETRIC, NOISE_MODELS, resolve
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
-    from ..options import FitOptions
+    from ..options import FitOptions, Resolved
 
     Array = NDArray[np.float64]
 
 _HOPELESS = (TOO_FEW, COLLINEAR)
 
 
-def spread(name: str, values: ArrayLike, shape: tuple[int, ...]) -> Array:
-    """Return `values` broadcast to `shape`; ParameterError names them when they do not fit."""
-    try:
-        return np.broadcast_to(np.asarray(values, float), shape)
-    except ValueError:
+def spread(name: str, values: ArrayLike | None, shape: tuple[int, ...]) -> Array | None:
+    """Return `values` broadcast to `shape`, None for None; ParameterError names them when they do not fit."""
+    return None if values is None else _batch.spread(name, np.asarray(values, float), shape)
+
+
+def resolved(options: FitOptions) -> Resolved:
+    """Return the options of a fit that is geometric alone.
+
+    Raises:
+        ParameterError: An option does not fit, or the noise is "isotropic".
+    """
+    chosen = resolve(options, {"geometric": GEOMETRIC})
+    if chosen.noise == NOISE_MODELS["isotropic"]:
         raise ParameterError(
-            f"{name} has shape {np.shape(values)}", expected=f"one that broadcasts to {shape}"
-        ) from None
+            "noise is 'isotropic', whose bias is known for circles and ellipses only", mend="give 'range'"
+        )
+    return chosen
 
 
 def places(ranges: ArrayLike, bearings: ArrayLike, options: FitOptions) -> tuple[Array, Array, NDArray[np.int64]]:

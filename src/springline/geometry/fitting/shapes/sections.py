@@ -2,19 +2,16 @@
 
 from __future__ import annotations
 
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Unpack
 
 import numpy as np
 
-from springline.errors import ParameterError
-
 from .. import _batch
 from .._judge import TOO_FEW
-from ..options import FEWEST_SEARCHED, NOISE_MODELS, resolve
+from ..options import FEWEST_SEARCHED, NOISE_MODELS
 from . import finish, kernels
-from .arguments import places, spread
+from .arguments import places, resolved, spread
 from .models import model_of
 from .readings import gathered
 from .results import SectionFits
@@ -80,54 +77,41 @@ def fit_section(
     >>> fits.names, fits.shape.round(2).tolist()
     (('centre_z', 'centre_y', 'width', 'height', 'invert_radius'), [[0.6, 0.9, 0.15]])
     """
-    chosen = resolve(options, {"geometric": -1})
-    if chosen.noise == NOISE_MODELS["isotropic"]:
-        raise ParameterError(
-            "noise is 'isotropic', whose bias is known for circles and ellipses only", mend="give 'range'"
-        )
+    chosen = resolved(options)
     (rings, points), take = _batch.ranges_source(ranges, bearings)
     model, turn = model_of(family), np.array(spread("turn", turn, (rings,)))
-    weights = None if chosen.weights is None else spread("weights", chosen.weights, (rings, points))
+    weights = spread("weights", chosen.weights, (rings, points))
     where, status, used = places(ranges, bearings, options)
-    where = where[..., :3]
     size = 2 + len(model.parameters) + free_turn
     found = _Found.empty(rings, points, size, len(model.limits), keep=chosen.keep_weights)
-    found.status[:], found.used[:] = status, used
+    found.status[:], found.n_used[:] = status, used
 
-    def run(start: int) -> None:
-        part = slice(start, start + CHUNK)
+    def run(part: slice) -> None:
         z, y = take(part)
         some = None if weights is None else weights[part]
-        _fit_chunk(model, z, y, some, where[:, part], turn[part], free_turn, chosen, found.part(part))
+        _fit_chunk(model, z, y, some, where[:, part, :3], turn[part], free_turn, chosen, found.part(part))
 
-    with ThreadPoolExecutor(chosen.workers or _batch._cores()) as pool:
-        list(pool.map(run, range(0, rings, CHUNK)))
-    found.covariance *= _batch._widening(found.used, size, points, robust=chosen.robust)[:, None, None]
+    _batch.in_chunks(run, rings, CHUNK, chosen.workers)
+    found.covariance *= _batch.widening(found.n_used, size, points, robust=chosen.robust)[:, None, None]
     return SectionFits(
-        parameters=found.parameters,
-        covariance=found.covariance,
-        residual_rms=found.rms,
-        noise_sigma=found.noise,
-        n_used=found.used,
-        status=found.status,
+        **vars(found),
         method=chosen.method,
-        weights=found.weights,
         family=family,
         names=("centre_z", "centre_y", *model.parameters, *(("turn",) if free_turn else ())),
         turn=found.parameters[:, -1] if free_turn else turn,
         limits=model.limits,
-        at_limit=found.at_limit,
-        misfit=found.misfit,
     )
 
 
 @dataclass
 class _Found:
+    """What was found, by ring; names as in `SectionFits`."""
+
     parameters: Array
     covariance: Array
-    rms: Array
-    noise: Array
-    used: NDArray[np.int64]
+    residual_rms: Array
+    noise_sigma: Array
+    n_used: NDArray[np.int64]
     status: NDArray[np.uint8]
     at_limit: NDArray[np.bool_]
     misfit: Array
@@ -139,9 +123,9 @@ class _Found:
         return cls(
             parameters=np.full((rings, size), np.nan),
             covariance=np.full((rings, size, size), np.nan),
-            rms=nan,
-            noise=nan.copy(),
-            used=np.zeros(rings, np.int64),
+            residual_rms=nan,
+            noise_sigma=nan.copy(),
+            n_used=np.zeros(rings, np.int64),
             status=np.zeros(rings, np.uint8),
             at_limit=np.zeros((rings, limits), bool),
             misfit=nan.copy(),
@@ -218,7 +202,7 @@ def _report(
     found.status[rows] = status
     rms, misfit = np.empty(rows.size), np.empty(rows.size)
     finish.residual_statistics(rows, solver.residuals(), solver.omega, solver.readings.counts, rms, misfit)
-    found.used[rows] = (solver.omega[rows] > 0.0).sum(axis=1)
+    found.n_used[rows] = (solver.omega[rows] > 0.0).sum(axis=1)
     good = status == 0
     rows, unknowns, inverse, unit = rows[good], unknowns[good], inverse[good], size[rows[good]]
     turn_matrix = np.eye(solver.size)
@@ -232,7 +216,7 @@ def _report(
         parameters[:, -1] += solver.fixed_turn[rows]
     found.parameters[rows] = parameters
     found.covariance[rows] = _propagated(by, inverse)
-    found.rms[rows], found.noise[rows] = rms[good] * unit, solver.sigma[rows] * unit
+    found.residual_rms[rows], found.noise_sigma[rows] = rms[good] * unit, solver.sigma[rows] * unit
     found.misfit[rows] = misfit[good]
     found.at_limit[rows] = near[good][:, 2 : 2 + count]
     if found.weights is not None:
