@@ -27,7 +27,9 @@ _KINDS = {
     "deposit": "defect",
     "intrusion": "defect",
 }
+_SIZED = ("lateral", "bend")
 _LEAST_CONFIDENCE = 0.5
+_BEND_SIGMAS = 5.0
 _FEWEST_RINGS = 32
 _TILT, _TILT_ESTIMATED = np.radians(2.0), np.radians(1.0)
 
@@ -54,32 +56,37 @@ class Epoch:
         return wall_of(self.survey)
 
     @cached_property
-    def rows(self) -> NDArray[np.int64]:
-        """Which rows of `/features` stand in `features`."""
-        if self.survey is None or not self.survey.has("features") or not self.survey.features.sizes.get("feature", 0):
-            return np.empty(0, np.int64)
-        data = self.survey.features
-        confidence = data["confidence"].values if "confidence" in data else np.ones(data.sizes["feature"])
+    def _seen(self) -> tuple[list[str], dict[str, NDArray[np.float64]]]:
+        """Kind and columns of what was found along the pipe, by chainage: sure `/features`, bends of `/layout`."""
+        parts = [part for part in (_found(self.survey), _bends(self.survey)) if part[0]]
+        kinds = [kind for part, _ in parts for kind in part]
+        names = sorted({name for _, columns in parts for name in columns})
+        missing = [np.full(len(part), np.nan) for part, _ in parts]
+        columns = {
+            name: np.concatenate([c.get(name, none) for (_, c), none in zip(parts, missing, strict=True)])
+            for name in names
+        }
+        if not kinds:
+            return [], {}
         first, last = self.extent
-        chainage = data["chainage"].values
-        kept = ~(confidence < _LEAST_CONFIDENCE) & (chainage >= first) & (chainage <= last)
-        index = np.flatnonzero(kept)
-        return index[np.argsort(chainage[index], kind="stable")]
+        at = columns["chainage"]
+        order = np.argsort(at, kind="stable")
+        order = order[(at[order] >= first) & (at[order] <= last)]
+        return [kinds[i] for i in order], {name: column[order] for name, column in columns.items()}
 
     @cached_property
     def features(self) -> FeatureList | None:
         """The features, in the order of travel; None when there are none."""
-        if self.listed is not None or not self.rows.size:
+        if self.listed is not None or self.survey is None or not self.kinds():
             return self.listed
-        data = self.survey.features.isel(feature=self.rows)
-        kind = [_KINDS.get(str(k), "other") for k in data["kind"].values]
-        lateral = np.array([k == "lateral" for k in kind])
-        bearing = _column(data, "bearing", len(kind))
+        kind = [_KINDS.get(k, "other") for k in self.kinds()]
+        seam = np.array([k == "joint" for k in kind])
+        sized = np.array([k in _SIZED for k in kind])
         return feature_list(
-            data["chainage"].values,
+            self.measured("chainage")[0],
             kind,
-            bearing=np.where(np.array([k == "joint" for k in kind]), np.nan, bearing),
-            size=np.where(lateral, _column(data, "size", len(kind)), np.nan),
+            bearing=np.where(seam, np.nan, self.measured("bearing")[0]),
+            size=np.where(sized, self.measured("size")[0], np.nan),
             extent=self.extent,
             name=self.name,
         )
@@ -118,11 +125,9 @@ class Epoch:
 
     def kinds(self) -> list[str]:
         """Return the kind of each of `features`, in the inspection's own words."""
-        if self.features is None:
-            return []
         if self.listed is not None:
             return [KINDS[k] for k in self.listed.kind]
-        return [str(k) for k in self.survey.features["kind"].values[self.rows]]
+        return self._seen[0] if self.survey is not None else []
 
     @property
     def joints(self) -> NDArray[np.float64]:
@@ -141,15 +146,41 @@ class Epoch:
 
     def measured(self, quantity: str) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Return a quantity of each of `features` and its one-sigma, in the units of `/features`; NaN where unknown."""
-        n = len(self.features) if self.features is not None else 0
+        n = len(self.kinds())
+        columns = self._seen[1] if self.listed is None and n else {}
         if self.listed is not None:
-            known = {"size": self.listed.size, "bearing": self.listed.bearing}
-            return known.get(quantity, np.full(n, np.nan)), np.full(n, np.nan)
-        if not n:
-            return np.empty(0), np.empty(0)
-        data = self.survey.features.isel(feature=self.rows)
-        return _column(data, quantity, n), _column(data, f"{quantity}_sigma", n)
+            columns = {"size": self.listed.size, "bearing": self.listed.bearing}
+        missing = np.full(n, np.nan)
+        return columns.get(quantity, missing), columns.get(f"{quantity}_sigma", missing)
 
 
-def _column(data: object, name: str, count: int) -> NDArray[np.float64]:
-    return data[name].values.astype(float) if name in data else np.full(count, np.nan)
+def _found(survey: Survey) -> tuple[list[str], dict[str, NDArray[np.float64]]]:
+    """Return kind and columns of the sure ones of `/features`."""
+    if not survey.has("features") or not survey.features.sizes.get("feature", 0):
+        return [], {}
+    data = survey.features
+    confidence = data["confidence"].values if "confidence" in data else np.ones(data.sizes["feature"])
+    data = data.isel(feature=np.flatnonzero(~(confidence < _LEAST_CONFIDENCE)))
+    columns = {
+        name: values.values.astype(float)
+        for name, values in data.variables.items()
+        if values.dims == ("feature",) and values.dtype.kind in "fiu"
+    }
+    return [str(k) for k in data["kind"].values], columns
+
+
+def _bends(survey: Survey) -> tuple[list[str], dict[str, NDArray[np.float64]]]:
+    """Return the bends of the layout as features: the middle of each, which way it turns, its length and angle."""
+    if not survey.has("layout") or not survey.layout.sizes.get("bend", 0):
+        return [], {}
+    start, length, towards, angle = (
+        survey.layout[f"bend_{name}"].values.astype(float) for name in ("start", "length", "towards", "angle")
+    )
+    sigmas = (survey.layout[f"bend_{name}_sigma"].values.astype(float) for name in ("start", "angle"))
+    start_sigma, angle_sigma = sigmas
+    sure = np.isfinite(start + length) & (angle > _BEND_SIGMAS * angle_sigma)
+    columns = {
+        "chainage": start + 0.5 * length, "chainage_sigma": start_sigma, "bearing": towards, "size": length,
+        "angle": angle, "angle_sigma": angle_sigma,
+    }  # fmt: skip
+    return ["bend"] * int(sure.sum()), {name: column[sure] for name, column in columns.items()}

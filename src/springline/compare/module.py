@@ -19,8 +19,9 @@ _MOST_MISSED = 4  # lengths between neighbours of the list by which the length i
 def joint_module(features: FeatureList) -> tuple[float, float]:
     """Return the distance between joints [m] and its standard deviation [m]; NaN when too few joints show it.
 
-    Each distance between neighbours, or a half to a quarter of it, is tried as the length: a distance of k whole lengths
-    counts 1 / k for it, so that a length is taken before its half, though joints were missed, and false ones found.
+    Each distance between neighbours, or a half to a quarter of it, is tried as the length: a distance of k whole
+    lengths counts 1 / k for it, so that a length is taken before its half, though joints were missed, and false ones
+    found.
 
     >>> from .features import feature_list
     >>> joint_module(feature_list([0.0, 2.0, 4.0, 6.1, 10.1, 12.0], "joint"))[0]

@@ -27,11 +27,12 @@ _RAREST = 0.01
 MEASURED = {
     "joint": (("joint gap", "size"), ("joint step", "step"), ("joint kink", "kink")),
     "lateral": (("lateral size", "size"), ("lateral bearing", "bearing"), ("lateral protrusion", "protrusion")),
+    "bend": (("bend angle", "angle"),),
     "dent": (("dent depth", "depth"),),
     "deposit": (("deposit depth", "depth"),),
     "intrusion": (("intrusion depth", "depth"),),
 }
-"""What is compared of each kind of feature: key of `verdicts.QUANTITIES`, and variable of `/features`."""
+"""What is compared of each kind of feature: key of `verdicts.QUANTITIES`, and quantity of `Epoch.measured`."""
 
 
 BY_GAP = ("step", "kink")

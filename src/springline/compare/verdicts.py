@@ -45,6 +45,7 @@ QUANTITIES = {
     "joint gap": Quantity("joint gap", 1e3, "mm", 1, "a joint does not close by itself"),
     "joint step": Quantity("joint step", 1e3, "mm", 1, "a displaced joint does not go back by itself"),
     "joint kink": Quantity("joint angle", _DEGREES, "deg", 1, "a joint does not straighten by itself"),
+    "bend angle": Quantity("angle of bend", _DEGREES, "deg"),
     "lateral size": Quantity("bore of lateral", 1e3, "mm", -1, "a lateral does not grow by itself"),
     "lateral bearing": Quantity("place of lateral round the pipe", _DEGREES, "deg", 2, "a lateral does not wander"),
     "lateral protrusion": Quantity("protrusion of lateral", 1e3, "mm", 1, "a lateral is not drawn back by itself"),
