@@ -179,20 +179,14 @@ def locate(before, after, weights, late, share, step, tracks, out):
     px, py, pz = px - ax, py - ay, pz - az
     out[0] = -px * s * u - py * c * u + pz * l
     out[1] = px * c - py * s
-    tx, ty, tz = (
-        before[5] + share * (after[5] - before[5]),
-        before[6] + share * (after[6] - before[6]),
-        before[7] + share * (after[7] - before[7]),
-    )
+    tx = before[5] + share * (after[5] - before[5])
+    ty = before[6] + share * (after[6] - before[6])
+    tz = before[7] + share * (after[7] - before[7])
     for k in range(3):
-        x, y, z = _turn(
-            tx,
-            ty,
-            tz,
-            tracks[84 + k] + late * tracks[93 + k],
-            tracks[87 + k] + late * tracks[96 + k],
-            tracks[90 + k] + late * tracks[99 + k],
-        )
+        x = tracks[84 + k] + late * tracks[93 + k]
+        y = tracks[87 + k] + late * tracks[96 + k]
+        z = tracks[90 + k] + late * tracks[99 + k]
+        x, y, z = _turn(tx, ty, tz, x, y, z)
         out[2 + 3 * k] = x * s * l + y * c * l + z * u
         out[3 + 3 * k] = -x * s * u - y * c * u + z * l
         out[4 + 3 * k] = x * c - y * s

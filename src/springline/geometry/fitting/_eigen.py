@@ -142,6 +142,30 @@ def conic_from_moments(m, method, conic, work):
 
 
 @kernel
+def _raw_norm(shift_z, shift_y, scale, t, metric):
+    """Write the metric in which scaled coefficients (a, b, c, d) have the norm of the raw ones; `t` is scratch."""
+    # rows of the map from the scaled coefficients to the raw ones
+    for i in range(4):
+        for j in range(4):
+            t[i, j] = 0.0
+    t[0, 0] = 1.0 / (scale * scale)
+    t[1, 0] = -2.0 * shift_z / (scale * scale)
+    t[1, 1] = 1.0 / scale
+    t[2, 0] = -2.0 * shift_y / (scale * scale)
+    t[2, 2] = 1.0 / scale
+    t[3, 0] = (shift_z * shift_z + shift_y * shift_y) / (scale * scale)
+    t[3, 1] = -shift_z / scale
+    t[3, 2] = -shift_y / scale
+    t[3, 3] = 1.0
+    for i in range(4):
+        for j in range(4):
+            total = 0.0
+            for k in range(4):
+                total += t[k, i] * t[k, j]
+            metric[i, j] = total
+
+
+@kernel
 def unit_norm_circle(m, shift_z, shift_y, scale, par, work):
     """Write the circle whose coefficients (a, b, c, d) have unit norm in the readings' own frame and unit.
 
@@ -164,26 +188,7 @@ def unit_norm_circle(m, shift_z, shift_y, scale, par, work):
         scatter[k, k] *= 1.0 + 4e-15
     if not factorise(scatter, 4, scatter):
         return 0
-    # rows of the map from the scaled coefficients to the raw ones, whose norm is one
-    t = work[3]
-    for i in range(4):
-        for j in range(4):
-            t[i, j] = 0.0
-    t[0, 0] = 1.0 / (scale * scale)
-    t[1, 0] = -2.0 * shift_z / (scale * scale)
-    t[1, 1] = 1.0 / scale
-    t[2, 0] = -2.0 * shift_y / (scale * scale)
-    t[2, 2] = 1.0 / scale
-    t[3, 0] = (shift_z * shift_z + shift_y * shift_y) / (scale * scale)
-    t[3, 1] = -shift_z / scale
-    t[3, 2] = -shift_y / scale
-    t[3, 3] = 1.0
-    for i in range(4):
-        for j in range(4):
-            total = 0.0
-            for k in range(4):
-                total += t[k, i] * t[k, j]
-            metric[i, j] = total
+    _raw_norm(shift_z, shift_y, scale, work[3], metric)
     x[0], x[1], x[2], x[3] = 1.0, 0.0, 0.0, -1.0
     for _ in range(1000):
         norm = 0.0

@@ -36,8 +36,7 @@ def ellipse_feet(z, y, n, par, distance, jacobian, foot):
     """
     cz, cy, mean, u, v = par[0], par[1], par[2], par[3], par[4]
     half = sqrt(u * u + v * v)
-    e0 = mean + half
-    e1 = mean - half
+    e0, e1 = mean + half, mean - half
     cos2 = u / half if half > 0.0 else 1.0
     # half angle without a transcendental; the branch keeps the root away from cancellation
     if cos2 > 0.0:
@@ -49,18 +48,15 @@ def ellipse_feet(z, y, n, par, distance, jacobian, foot):
     gap = e0 * e0 - e1 * e1
     tiny = 1e-14 * e1
     for i in range(n):
-        dz = z[i] - cz
-        dy = y[i] - cy
-        q0 = ca * dz + sa * dy
-        q1 = ca * dy - sa * dz
+        dz, dy = z[i] - cz, y[i] - cy
+        q0, q1 = ca * dz + sa * dy, ca * dy - sa * dz
         ratio = sqrt((q0 / e0) ** 2 + (q1 / e1) ** 2)
         # along the ray from the centre; exact on a circle
         foot[i] = max(e0 * e1 * (ratio - 1.0) + e1 * e1, tiny * e1)
     for _ in range(60):
         moved = 0.0
         for i in range(n):
-            dz = z[i] - cz
-            dy = y[i] - cy
+            dz, dy = z[i] - cz, y[i] - cy
             q0 = abs(ca * dz + sa * dy) * e0
             q1 = max(abs(ca * dy - sa * dz), tiny) * e1
             low = max(q1, q0 - gap)
@@ -78,24 +74,17 @@ def ellipse_feet(z, y, n, par, distance, jacobian, foot):
             # convergence is quadratic: a last step of 1e-7 leaves rounding only
             break
     for i in range(n):
-        dz = z[i] - cz
-        dy = y[i] - cy
-        q0 = ca * dz + sa * dy
-        q1 = ca * dy - sa * dz
+        dz, dy = z[i] - cz, y[i] - cy
+        q0, q1 = ca * dz + sa * dy, ca * dy - sa * dz
         q1 = q1 if abs(q1) > tiny else tiny
         s = foot[i]
-        p0 = q0 / (s + gap)
-        p1 = q1 / s
+        p0, p1 = q0 / (s + gap), q1 / s
         norm = sqrt(p0 * p0 + p1 * p1)
         distance[i] = (s - e1 * e1) * norm
-        n0 = p0 / norm
-        n1 = p1 / norm
-        nz = ca * n0 - sa * n1
-        ny = sa * n0 + ca * n1
-        cos = e0 * p0
-        sin = e1 * p1
-        cos_psi = ca * cos - sa * sin
-        sin_psi = sa * cos + ca * sin
+        n0, n1 = p0 / norm, p1 / norm
+        nz, ny = ca * n0 - sa * n1, sa * n0 + ca * n1
+        cos, sin = e0 * p0, e1 * p1
+        cos_psi, sin_psi = ca * cos - sa * sin, sa * cos + ca * sin
         jacobian[0, i] = nz
         jacobian[1, i] = ny
         jacobian[2, i] = nz * cos_psi + ny * sin_psi

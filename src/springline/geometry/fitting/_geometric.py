@@ -51,28 +51,13 @@ def _residual_rms(distance, omega, n):
     return sqrt(total / count)
 
 
+# fmt: off
 @kernel
 def _fit_one(
-    p,
-    n,
-    z,
-    y,
-    w,
-    index,
-    robust,
-    noise,
-    least_arc,
-    most_scatter,
-    rows,
-    keys,
-    counts,
-    sectors,
-    small,
-    sums,
-    par,
-    cov,
-    out,
+    p, n, z, y, w, index, robust, noise, least_arc, most_scatter,
+    rows, keys, counts, sectors, small, sums, par, cov, out,
 ):
+    # fmt: on
     """Fit one gathered ring in place; return its status. `out` receives residual rms and noise."""
     if n < p:
         return TOO_FEW
