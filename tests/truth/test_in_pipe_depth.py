@@ -1,11 +1,13 @@
 """Real captures of a depth camera inside real pipes, against the catalogue bores, from raw images and clouds alike."""
 
+import json
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 import springline as sl
+from springline.design import judge, load_rule
 
 DATA = Path(__file__).parents[3] / "shared" / "data" / "in-pipe-depth"
 INTRINSICS = {
@@ -60,6 +62,9 @@ def test_concrete_gives_a_wide_sigma_and_a_plain_warning():
         diameter, sigma, *_ = mean(result)
         assert sigma > 0.05 * diameter, path.stem
         assert any("too few or too noisy for a diameter" in sentence for sentence in result.warnings)
+        assert 1e3 * np.nanmin(result.metrics["diameter_min_sigma"].values) > 0.05 * diameter, path.stem
+        found = judge(result, [load_rule("deflection-5")]).attrs["rules"]
+        assert json.loads(found)[0]["verdict"] == "uncertain", path.stem
 
 
 @pytest.mark.parametrize(

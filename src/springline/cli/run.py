@@ -69,12 +69,13 @@ def tell(found: dict[str, Any], directory: Path) -> None:
         f"{found['name']}: {found['length_m']:g} m, {found['stations']} stations, {found['coverage_pct']:g} % seen",
         f"  mean diameter    {_value(found['diameter_mean_mm'], 'mm')} +- {_value(found['diameter_sigma_mm'], 'mm')}"
         f" (fit {_value(found['diameter_sigma_fit_mm'])}, scale {_value(found['diameter_sigma_scale_mm'])})",
-        f"  largest ovality  {_value(found['ovality_polar_max_pct'], '%')}"
-        f" at {_value(found['ovality_polar_max_chainage_m'], 'm')}",
+        f"  largest ovality  {_value(found['ovality_polar_max_pct'], '%')} +-"
+        f" {_value(found['ovality_polar_max_sigma_pct'], '%')} at {_value(found['ovality_polar_max_chainage_m'], 'm')}",
     ]
     if found["deflection_max_pct"] is not None:
         where = _value(found["deflection_max_chainage_m"], "m")
-        lines.append(f"  most deflection  {_value(found['deflection_max_pct'], '%')} at {where}")
+        sigma = _value(found["deflection_max_sigma_pct"], "%")
+        lines.append(f"  most deflection  {_value(found['deflection_max_pct'], '%')} +- {sigma} at {where}")
     if found.get("deviation_up_max_mm") is not None:
         where = _value(found["deviation_up_max_chainage_m"], "m")
         lines.append(f"  off its design   {_value(found['deviation_up_max_mm'], 'mm')} up at {where}")

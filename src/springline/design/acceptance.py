@@ -158,7 +158,9 @@ def _why(
     if decides is None:
         return f"no station has a {rule.quantity} with its sigma"
     count = {name: int(np.sum(stations == name)) for name in VERDICTS}
-    text = f"{rule.quantity} {100 * values[decides]:.1f} % +- {100 * sigmas[decides]:.1g} % at {where:.2f} m"
+    sigma = 100 * sigmas[decides]
+    shown = f"{sigma:.1g}" if sigma < 9.5 else f"{sigma:.0f}"
+    text = f"{rule.quantity} {100 * values[decides]:.1f} % +- {shown} % at {where:.2f} m"
     relation = {"fail": "lies above", "uncertain": "cannot be told from", "pass": "is the largest, below"}
     own = stations[decides]
     text += f" {relation[str(own)]} {100 * limit:g} %"

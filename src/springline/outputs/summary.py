@@ -31,6 +31,10 @@ def summary(survey: Survey) -> dict[str, Any]:
     results = Results(survey)
     ovality, deflection, loss = (results.judged(name) for name in ("ovality_polar", "deflection", "area_loss"))
     most_oval, most_deflected, most_lost = (worst_station(values) for values in (ovality, deflection, loss))
+
+    def sigma(name: str, station: int | None) -> float | None:
+        return _at(results.metric(f"{name}_sigma"), station, 1e2)
+
     coverage = results.coverage
     return {
         "name": survey.attrs.get("name"),
@@ -44,10 +48,13 @@ def summary(survey: Survey) -> dict[str, Any]:
         "diameter_sigma_fit_mm": _number(results.metrics_attr("diameter_sigma_fit"), 1e3, 4),
         "diameter_sigma_scale_mm": _number(results.metrics_attr("diameter_sigma_scale"), 1e3, 4),
         "ovality_polar_max_pct": _at(ovality, most_oval, 1e2),
+        "ovality_polar_max_sigma_pct": sigma("ovality_polar", most_oval),
         "ovality_polar_max_chainage_m": _at(results.chainage, most_oval, 1.0),
         "deflection_max_pct": _at(deflection, most_deflected, 1e2),
+        "deflection_max_sigma_pct": sigma("deflection", most_deflected),
         "deflection_max_chainage_m": _at(results.chainage, most_deflected, 1.0),
         "area_loss_max_pct": _at(loss, most_lost, 1e2),
+        "area_loss_max_sigma_pct": sigma("area_loss", most_lost),
         **(_deviations(results) if survey.has("design_line") else {}),
         "features": feature_count(survey),
         "rules": json.loads(survey.attrs.get("rules", "[]")),

@@ -53,6 +53,11 @@ def test_the_reason_names_value_place_limit_and_counts():
     assert evaluate("deflection-5", [0.01, np.nan], [0.001] * 2, reference="base", least_assessed=0.5).verdict == "pass"
 
 
+def test_a_wide_sigma_is_written_out():
+    why = evaluate("deflection-5", [0.143], [0.4004], chainage=[0.26], reference="base").why
+    assert why.startswith("deflection 14.3 % +- 40 % at 0.26 m cannot be told from 5 %")
+
+
 def test_without_its_reference_nothing_is_judged():
     unknown = evaluate("deflection-5", [0.08], [0.001])
     assert unknown.verdict == "not_assessed"

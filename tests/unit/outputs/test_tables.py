@@ -137,11 +137,15 @@ def test_summary_holds_the_promised_keys_and_plain_json(survey):
         "name, length_m, stations, nominal_diameter_mm, coverage_pct, unseen_m, diameter_mean_mm, diameter_sigma_mm, "
         "diameter_sigma_fit_mm, diameter_sigma_scale_mm, ovality_polar_max_pct, ovality_polar_max_chainage_m, "
         "deflection_max_pct, deflection_max_chainage_m, area_loss_max_pct, features, rules, warnings, assumptions, "
-        "version"
+        "version, ovality_polar_max_sigma_pct, deflection_max_sigma_pct, area_loss_max_sigma_pct"
     )
     assert set(result) == set(promised.split(", "))
     assert json.loads(json.dumps(result, allow_nan=False)) == result
     assert result["deflection_max_pct"] == pytest.approx(4.0, abs=1e-3)
+    at = int(np.nanargmax(survey.metrics["deflection"].values))
+    assert result["deflection_max_sigma_pct"] == pytest.approx(
+        100 * survey.metrics["deflection_sigma"].values[at], abs=1e-4
+    )
     assert result["deflection_max_chainage_m"] == pytest.approx(20.0, abs=0.02)
     assert result["coverage_pct"] == pytest.approx(100 * float(survey.section["coverage"].mean()), abs=0.01)
     # 0.6 m behind the missing arc, 0.4 m without readings enough, 0.5 m without any station.

@@ -120,9 +120,11 @@ def _about_axis(rings: xr.Dataset, mask: xr.Dataset) -> Fitted:
     common = pool_sections(ranges, bearings, along)
     fits = sections_about_axis(ranges, bearings, along, common)
     doubt = float(rings.attrs.get("diameter_doubt", 0.0))
+    # Where it is in doubt which readings are of the wall, no station knows its section better than the whole does.
+    unsure = (doubt * common.diameter / 2.0) ** 2 * np.diag([0.0, 0.0, 1.0, 1.0, 1.0])
     return Fitted(
         fits.parameters,
-        fits.covariance,
+        fits.covariance + unsure,
         fits.residual_rms,
         fits.noise_sigma,
         fits.status,
