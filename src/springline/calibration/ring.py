@@ -86,12 +86,7 @@ def calibrate_ring(
         alignment_sigma=0.0 if about_axis else ALIGNMENT_SIGMA,
     )
     scale = found.values[0]
-    if abs(scale - 1.0) > _MOST_SCALE:
-        raise InputError(
-            f"the scans show a diameter of about {1e3 * scale * mean:.4g} mm, the reference has {1e3 * mean:.4g} mm",
-            expected=f"a range scale within {100 * _MOST_SCALE:.0f} % of one",
-            mend="check --diameter and the unit of the ranges",
-        )
+    _refuse_far_scale(scale, mean)
     # What is left of a cloud's scatter in its rings is not that of the sensor's readings.
     read = [] if about_axis else list(shapes.values())
     law = fit_noise_law(
@@ -124,6 +119,16 @@ def _reference(diameter: float | Sequence[float], sigma: float | None) -> tuple[
     if measured.size == 1:
         return mean, 0.0, [_EXACT]
     return mean, float(measured.std(ddof=1) / np.sqrt(measured.size)), []
+
+
+def _refuse_far_scale(scale: float, diameter: float) -> None:
+    if abs(scale - 1.0) > _MOST_SCALE:
+        seen, true = 1e3 * scale * diameter, 1e3 * diameter
+        raise InputError(
+            f"the scans show a diameter of about {seen:.4g} mm, the reference has {true:.4g} mm",
+            expected=f"a range scale within {100 * _MOST_SCALE:.0f} % of one",
+            mend="check --diameter and the unit of the ranges",
+        )
 
 
 def _about_axis(scans: Mapping[str, Survey]) -> bool:
