@@ -88,11 +88,7 @@ def calibrate_ring(
     scale = found.values[0]
     _refuse_far_scale(scale, mean)
     # What is left of a cloud's scatter in its rings is not that of the sensor's readings.
-    read = [] if about_axis else list(shapes.values())
-    law = fit_noise_law(
-        np.concatenate([[], *(one.ranges for one in read)]) / scale,
-        np.concatenate([[], *(one.deviation for one in read)]) / scale,
-    )
+    law = _noise_law([] if about_axis else list(shapes.values()), scale)
     notes += _notes(found, list(scans))
     return _dataset(found, law, common_tilt_sigma).assign_attrs(
         reference_diameter=mean,
@@ -169,6 +165,13 @@ def _angles(tilts: Mapping[str, Sequence[float]] | None, scans: Mapping[str, Sur
             )
         rows.append(row)
     return np.array(rows, float)
+
+
+def _noise_law(scans: list[ScanShape], scale: float) -> NoiseLaw:
+    return fit_noise_law(
+        np.concatenate([[], *(one.ranges for one in scans)]) / scale,
+        np.concatenate([[], *(one.deviation for one in scans)]) / scale,
+    )
 
 
 def _dataset(found: ReferenceFit, law: NoiseLaw, common: float) -> xr.Dataset:
