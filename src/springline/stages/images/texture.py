@@ -9,6 +9,7 @@ import xarray as xr
 
 from ...errors import MissingExtraError, listed
 from ...survey import add_warning
+from .along import in_order
 from .filmed import filmed
 from .views import views_of
 
@@ -70,10 +71,7 @@ def _surface(survey: Survey, cell: float) -> Surface:
     from ...imaging.texture import Surface
 
     section = survey.section
-    place, shape = section["chainage"].values, section["parameters"].values
-    good = np.isfinite(shape).all(axis=1) & np.isfinite(place)
-    order = np.flatnonzero(good)[np.argsort(place[good], kind="stable")]
-    place, shape = place[order], shape[order]
+    place, shape = in_order(section["chainage"].values, section["parameters"].values)
     round_wall = 2.0 * np.pi * float(np.median(shape[:, 0]))
     length = max(float(place[-1] - place[0]), cell)
     cell = max(cell, float(np.sqrt(length * round_wall / _CELLS)))
@@ -91,14 +89,10 @@ def _directions(survey: Survey, x: Array) -> tuple[Array, Array]:
     """Heading and climb of the axis [rad]; straight where the layout is not known."""
     if not survey.has("layout") or "heading" not in survey.layout:
         return np.zeros_like(x), np.zeros_like(x)
-    layout = survey.layout
-    place, heading, climb = (layout[name].values for name in ("chainage", "heading", "gradient"))
-    good = np.isfinite(place) & np.isfinite(heading) & np.isfinite(climb)
-    if not good.any():
+    place, heading, climb = in_order(*(survey.layout[name].values for name in ("chainage", "heading", "gradient")))
+    if not len(place):
         return np.zeros_like(x), np.zeros_like(x)
-    order = np.flatnonzero(good)[np.argsort(place[good], kind="stable")]
-    heading = np.interp(x, place[order], np.unwrap(heading[order]))
-    return heading, np.arctan(np.interp(x, place[order], climb[order]))
+    return np.interp(x, place, np.unwrap(heading)), np.arctan(np.interp(x, place, climb))
 
 
 def _views(survey: Survey, film: Filmed) -> tuple[Array, list[View]]:

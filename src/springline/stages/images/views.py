@@ -10,6 +10,7 @@ from scipy.ndimage import uniform_filter1d
 from ...conventions import MASK_REASONS
 from ...geometry.camera import camera_at
 from ...geometry.robot import frame
+from .along import in_order
 
 if TYPE_CHECKING:
     from ...imaging.lens_table import MountedCamera
@@ -120,11 +121,9 @@ def level_roll(survey: Survey) -> np.ndarray | None:
 
 
 def _at(distance: np.ndarray, places: np.ndarray, values: np.ndarray, missing: float) -> np.ndarray:
-    good = np.isfinite(values) & np.isfinite(places)
-    if not good.any():
-        return np.full(len(distance), missing)
-    order = np.argsort(places[good])
-    return np.interp(distance, places[good][order], values[good][order])
+    """Return what is known at `places` at each distance, `missing` where nothing is."""
+    places, values = in_order(places, values)
+    return np.interp(distance, places, values) if len(places) else np.full(len(distance), missing)
 
 
 def _sigma(pose, name: str, missing: float) -> float:
