@@ -1,16 +1,13 @@
 """The section in 90 degree bends, where every ring cuts obliquely: freed of the ovality that the cut fakes."""
 
-from pathlib import Path
-
 import numpy as np
 import pytest
 from bench._joint import given
+from tests import cad_mesh
 
 from springline.estimation import estimate_joint
 from springline.simulate import parse, simulate
 from springline.simulate.world import set_up
-
-MESH = Path(__file__).parents[2] / ".." / "shared" / "data" / "pipe-loop-cad-mesh-with-bends" / "pipes22.obj"
 
 SCENARIO = """
 name = "bend"
@@ -110,43 +107,29 @@ def test_oblique_rings_in_a_bend_show_the_true_ovality(diameters, towards, ahead
     assert seen.radius == pytest.approx(radius, rel=0.05)
 
 
-WALL, SIDES, RADIUS, FIRST, BETWEEN, LAST = 0.2, 34, 1.0, 4.0, 2.0, 1.0
-"""The mesh: inner wall of 34 flat facets around, bends of 2.5 diameters in 16 steps."""
+RADIUS, FIRST, BETWEEN, LAST = 1.0, 4.0, 2.0, 1.0
+"""The mesh: radius of its bends, and its straights [m]."""
 
 
 def triangles():
-    """Triangles (m, 3, 3) of the mesh's inner wall, axes turned to east, north, up."""
-    lines = [line.split() for line in MESH.read_text().splitlines()]
-    vertices = np.array([line[1:4] for line in lines if line[:1] == ["v"]], dtype=float)[:, [0, 2, 1]]
-    quads = np.array([[int(v.split("/")[0]) - 1 for v in line[1:]] for line in lines if line[:1] == ["f"]])
-    rings = vertices.reshape(-1, SIDES, 3)
-    inner = np.abs(np.linalg.norm(rings - rings.mean(axis=1, keepdims=True), axis=-1) - WALL).max(axis=1) < 1e-3
-    quads = quads[np.repeat(inner, SIDES)[quads].all(axis=1)]
-    return vertices[np.concatenate([quads[:, [0, 1, 2]], quads[:, [0, 2, 3]]])]
+    """Triangles (m, 3, 3) of the mesh's inner wall."""
+    vertices, quads = cad_mesh.read()
+    _, inner = cad_mesh.inner_rings(vertices)
+    return cad_mesh.triangles(vertices, quads[np.repeat(inner, cad_mesh.SIDES)[quads].all(axis=1)])
 
 
 def cast(mesh, origins, axes, bearing):
-    """Ranges (ring, bearing) to the mesh (Moller and Trumbore), rows of `axes` the sensor's x, y, z."""
-    low, high = mesh.min(axis=1), mesh.max(axis=1)
+    """Ranges (ring, bearing) to the mesh, rows of `axes` the sensor's x, y, z; NaN where none is met."""
     out = np.empty((len(origins), len(bearing)))
     for k, (origin, axis) in enumerate(zip(origins, axes, strict=True)):
-        ray = np.cos(bearing)[:, None] * axis[2] + np.sin(bearing)[:, None] * axis[1]
+        rays = np.cos(bearing)[:, None] * axis[2] + np.sin(bearing)[:, None] * axis[1]
         # No wall beyond this is met by a ring that is tilted by 15 degrees.
-        near = mesh[((low < origin + 0.4) & (high > origin - 0.4)).all(axis=1)]
-        edge1, edge2 = near[:, 1] - near[:, 0], near[:, 2] - near[:, 0]
-        normal, away = np.cross(ray[:, None], edge2), origin - near[:, 0]
-        with np.errstate(divide="ignore", invalid="ignore"):
-            scale = 1.0 / np.sum(edge1 * normal, axis=-1)
-            turned = np.cross(away, edge1)
-            u, v = np.sum(away * normal, axis=-1) * scale, ray @ turned.T * scale
-            distance = np.sum(edge2 * turned, axis=-1) * scale
-            hit = (u >= -1e-9) & (v >= -1e-9) & (u + v <= 1.0 + 1e-9) & (distance > 1e-9)
-        out[k] = np.where(hit, distance, np.inf).min(axis=1)
+        out[k] = cad_mesh.cast(cad_mesh.within(mesh, origin, 0.4), origin, rays)
     return np.where(np.isfinite(out), out, np.nan)
 
 
 @pytest.mark.shared
-@pytest.mark.skipif(not MESH.exists(), reason="the reference folder ../shared is absent")
+@cad_mesh.PRESENT
 def test_rings_cast_on_a_mesh_of_others_show_its_round_section_in_both_bends():
     arc = 0.5 * np.pi * RADIUS
     parts = [STRAIGHT.format(FIRST), BEND.format(RADIUS, "left"), STRAIGHT.format(BETWEEN), BEND.format(RADIUS, "left"),

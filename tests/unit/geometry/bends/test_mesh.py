@@ -2,65 +2,38 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
 import numpy as np
 import pytest
+from tests import cad_mesh
+from tests.cad_mesh import FACET, STEPS, WALL
 
 from springline.geometry.bends import fit_bend, ring_bend
 from springline.geometry.robot import frame, ring_cylinder
 
-MESH = Path(__file__).parents[4] / ".." / "shared" / "data" / "pipe-loop-cad-mesh-with-bends" / "pipes22.obj"
-WALL = 0.2
-FACET = WALL * (1 - np.cos(np.pi / 34))
-"""Depth of one of the 34 facets around the wall [m]; the 16 facets along a bend are 1.2 (1 - cos 2.8 deg) deep."""
-BEND_FACET = FACET + 1.2 * (1 - np.cos(np.radians(90 / 32)))
+BEND_FACET = FACET + (1.0 + WALL) * (1 - np.cos(np.radians(90 / STEPS / 2)))
+"""Depth of a facet around the wall and of one along the outer wall of a bend [m]."""
 
-pytestmark = [
-    pytest.mark.shared,
-    pytest.mark.skipif(not MESH.exists(), reason="the reference folder ../shared is absent"),
-]
+pytestmark = cad_mesh.NEEDED
 
 
 @pytest.fixture(scope="module")
 def mesh():
     """Vertices (n, 3) turned to x forward, y up (the first bend turns up), z right; and triangles (m, 3, 3)."""
-    lines = [line.split() for line in MESH.read_text().splitlines()]
-    vertices = np.array([line[1:4] for line in lines if line[:1] == ["v"]], dtype=float)[:, [0, 2, 1]] * [1, 1, -1]
-    quads = np.array([[int(v.split("/")[0]) - 1 for v in line[1:]] for line in lines if line[:1] == ["f"]])
-    return vertices, vertices[np.concatenate([quads[:, [0, 1, 2]], quads[:, [0, 2, 3]]])]
+    vertices, quads = cad_mesh.read()
+    vertices *= [1, 1, -1]
+    return vertices, cad_mesh.triangles(vertices, quads)
 
 
 @pytest.fixture(scope="module")
 def bend(mesh):
-    """Centre and radius of the first bend, from the centres of the mesh's own rings of 34 vertices."""
-    rings = mesh[0].reshape(-1, 34, 3)
-    centres = rings.mean(axis=1)
-    inner = np.abs(np.linalg.norm(rings - centres[:, None], axis=-1) - WALL).max(axis=1) < 1e-4
-    on = centres[inner & (centres[:, 0] > 4.05) & (centres[:, 1] < 0.95)]
-    solved = np.linalg.lstsq(np.c_[2 * on[:, :2], np.ones(len(on))], (on[:, :2] ** 2).sum(axis=1), rcond=None)[0]
-    return solved[:2], np.sqrt(solved[2] + solved[:2] @ solved[:2])
-
-
-def cast(triangles, origin, directions):
-    """Distance to the first triangle along each ray (Moller and Trumbore)."""
-    near = triangles[np.linalg.norm(triangles[:, 0] - origin, axis=-1) < 1.5]
-    edge1, edge2 = near[:, 1] - near[:, 0], near[:, 2] - near[:, 0]
-    normal = np.cross(directions[:, None], edge2)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        scale = 1 / np.sum(edge1 * normal, axis=-1)
-        away = origin - near[:, 0]
-        u = np.sum(away * normal, axis=-1) * scale
-        turned = np.cross(away, edge1)
-        v = directions @ turned.T * scale
-        distance = np.sum(edge2 * turned, axis=-1) * scale
-        hit = (u >= -1e-9) & (v >= -1e-9) & (u + v <= 1 + 1e-9) & (distance > 1e-9)
-    return np.where(hit, distance, np.inf).min(axis=1)
+    """Centre and radius of the first bend."""
+    centres, inner = cad_mesh.inner_rings(mesh[0])
+    return cad_mesh.first_bend(centres[inner])
 
 
 def ring_points(triangles, origin, axes, phi):
     directions = np.cos(phi)[:, None] * axes[2] + np.sin(phi)[:, None] * axes[1]
-    radius = cast(triangles, origin, directions)
+    radius = cad_mesh.cast(cad_mesh.within(triangles, origin, 1.0), origin, directions)
     return radius, origin + radius[:, None] * directions
 
 
