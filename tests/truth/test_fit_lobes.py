@@ -6,12 +6,12 @@ liners under test is used.
 
 import numpy as np
 import pytest
+from tests.spoilt import BEARINGS, NOISE, READINGS, spoil
 
 from springline.errors import ParameterError
 from springline.geometry.fitting.lobes import NAMES, fit_lobe
 
-READINGS, NOISE, R = 360, 0.003, 0.15
-BEARINGS = np.arange(READINGS) * 2 * np.pi / READINGS
+R = 0.15
 
 
 def ellipse(theta, a, b, tilt):
@@ -33,18 +33,6 @@ def liner(theta, host, bearing, half_angle, depth, power, kind):
     return np.where(x < 1, (k1 - kappa * x**power) * np.cos(np.pi / 2 * x) + at_edge, own)
 
 
-def spoil(ranges, rng):
-    ranges = ranges + NOISE * R * rng.standard_normal(READINGS)
-    bad = rng.random(READINGS) < 0.02
-    ranges[bad] += R * rng.choice([-1, 1], bad.sum()) * rng.uniform(0.02, 0.2, bad.sum())
-    count = READINGS // 5
-    if rng.random() < 0.5:
-        ranges[(rng.integers(READINGS) + np.arange(count)) % READINGS] = np.nan
-    else:
-        ranges[rng.choice(READINGS, count, replace=False)] = np.nan
-    return ranges
-
-
 def simulated(rng, rings, *, kind="proposed", power=2.0, deep=(0.02, 0.12), wide=(0.25, 1.0), lobe=True, spoilt=True):
     """Return rings and their true parameters, in the order of NAMES."""
     theta = np.linspace(0, 2 * np.pi, 4001)
@@ -58,7 +46,7 @@ def simulated(rng, rings, *, kind="proposed", power=2.0, deep=(0.02, 0.12), wide
         angle = np.angle(points) % (2 * np.pi)
         order = np.argsort(angle)
         seen = np.interp(BEARINGS, angle[order], np.abs(points)[order], period=2 * np.pi)
-        ranges.append(spoil(seen, rng) if spoilt else seen)
+        ranges.append(spoil(seen, rng, R) if spoilt else seen)
         mean, half_gap, tilt = (host[0] + host[1]) / 2, (host[0] - host[1]) / 2, host[2]
         oval = half_gap * np.cos(2 * tilt), half_gap * np.sin(2 * tilt)
         truth.append((z, y, mean, *oval, bearing, half, depth, power))

@@ -8,12 +8,12 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 from scipy.special import ellipe
+from tests.spoilt import BEARINGS, NOISE, READINGS, spoil
 
 from springline.errors import ParameterError
 from springline.geometry.fitting.shapes import MODELS, fit_section
 
-READINGS, NOISE, RINGS = 360, 0.003, 400
-BEARINGS = np.arange(READINGS) * 2 * np.pi / READINGS
+RINGS = 400
 
 
 def arc(centre_z, centre_y, radius, start, end):
@@ -111,20 +111,6 @@ def seen(outline, sensor_z, sensor_y, turn, bearings=BEARINGS):
     return np.interp(bearings, angle[order], reach[order], period=2 * np.pi)
 
 
-def spoil(ranges, rng):
-    """Add 0.3 % noise, 2 % outliers and 20 % missing readings, in one arc or scattered."""
-    size = np.mean(ranges)
-    ranges = ranges + NOISE * size * rng.standard_normal(READINGS)
-    bad = rng.random(READINGS) < 0.02
-    ranges[bad] += size * rng.choice([-1, 1], bad.sum()) * rng.uniform(0.02, 0.2, bad.sum())
-    count = READINGS // 5
-    if rng.random() < 0.5:
-        ranges[(rng.integers(READINGS) + np.arange(count)) % READINGS] = np.nan
-    else:
-        ranges[rng.choice(READINGS, count, replace=False)] = np.nan
-    return ranges
-
-
 def severities(rng, mode):
     s1 = rng.uniform(0.8, 0.92)
     s01, s02 = np.sort(s1 + (1 - s1) * rng.uniform(0.15, 0.85, 2))
@@ -165,7 +151,8 @@ def simulated(family, rng, rings, *, turn=0.0):
         # several readings of each section, from different places
         for _ in range(10):
             z, y = rng.uniform(-0.1, 0.1, 2) * size
-            ranges.append(spoil(seen(wall, z, y, turn), rng))
+            ring = seen(wall, z, y, turn)
+            ranges.append(spoil(ring, rng, np.mean(ring)))
             truth.append((-z, -y, *parameters))
     return np.array(ranges), np.array(truth)
 

@@ -8,10 +8,11 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 from scipy.special import ellipe
+from tests.spoilt import BEARINGS, NOISE, READINGS, spoil
 
 from springline.geometry.fitting.modes import select_modes
 
-RINGS, READINGS, NOISE = 2000, 360, 0.003
+RINGS = 2000
 MODES = (1, 2, 3, 4, 5)
 
 _S = np.linspace(0.5, 1.0, 1001)
@@ -35,7 +36,7 @@ def quarter(folded, s0, half_width):
     return (-one + np.sqrt(one * one - two * zero)) / two
 
 
-def simulated(mode, rng, bearings):
+def simulated(mode, rng):
     """One clean ring of unit radius and its true s1, s02, s01."""
     while True:
         s1 = rng.uniform(0.80, 0.97)
@@ -49,32 +50,18 @@ def simulated(mode, rng, bearings):
         }[mode]
         if major(top) ** 2 + top**2 > half_width**2:
             break
-    folded = np.arcsin(np.abs(np.sin(bearings)))
-    up = np.sin(bearings) >= 0
+    folded = np.arcsin(np.abs(np.sin(BEARINGS)))
+    up = np.sin(BEARINGS) >= 0
     return np.where(up, quarter(folded, top, half_width), quarter(folded, bottom, half_width)), (s1, s02, s01)
-
-
-def spoil(radius, rng):
-    """Add noise, 2 % outliers and 20 % missing readings, in one arc or scattered."""
-    radius = radius + NOISE * rng.standard_normal(READINGS)
-    bad = rng.random(READINGS) < 0.02
-    radius[bad] += rng.choice([-1, 1], bad.sum()) * rng.uniform(0.02, 0.2, bad.sum())
-    count = READINGS // 5
-    if rng.random() < 0.5:
-        radius[(rng.integers(READINGS) + np.arange(count)) % READINGS] = np.nan
-    else:
-        radius[rng.choice(READINGS, count, replace=False)] = np.nan
-    return radius
 
 
 @pytest.fixture(scope="module")
 def trial():
     rng = np.random.default_rng(20)
-    bearings = np.arange(READINGS) * 2 * np.pi / READINGS
     modes = rng.integers(1, 6, RINGS)
-    clean = [simulated(mode, rng, bearings) for mode in modes]
+    clean = [simulated(mode, rng) for mode in modes]
     rings = np.array([spoil(radius, rng) for radius, _ in clean])
-    return modes, np.array([truth for _, truth in clean]), select_modes(rings, bearings)
+    return modes, np.array([truth for _, truth in clean]), select_modes(rings, BEARINGS)
 
 
 def test_named_classes_are_right_and_few_are_left_undecided(trial):
@@ -131,7 +118,7 @@ def test_true_severities_lie_in_their_intervals(trial):
 def test_a_noisy_circle_is_never_called_deformed():
     rng = np.random.default_rng(4)
     rings = np.array([spoil(np.ones(READINGS), rng) for _ in range(500)])
-    found = select_modes(rings, np.arange(READINGS) * 2 * np.pi / READINGS)
+    found = select_modes(rings, BEARINGS)
     deformed = (found.mode > 0) & (found.severities[:, 0] < 0.99)
     assert not deformed.any()
     assert np.mean(found.mode == 0) > 0.9
@@ -139,12 +126,11 @@ def test_a_noisy_circle_is_never_called_deformed():
 
 def test_upside_down_sections_are_recognised():
     rng = np.random.default_rng(5)
-    bearings = np.arange(READINGS) * 2 * np.pi / READINGS
-    clean = [quarter(np.arcsin(np.abs(np.sin(bearings))), 1.0, major(s)) for s in np.linspace(0.82, 0.94, 40)]
-    other = [quarter(np.arcsin(np.abs(np.sin(bearings))), s, major(s)) for s in np.linspace(0.82, 0.94, 40)]
-    up = np.sin(bearings) >= 0
+    clean = [quarter(np.arcsin(np.abs(np.sin(BEARINGS))), 1.0, major(s)) for s in np.linspace(0.82, 0.94, 40)]
+    other = [quarter(np.arcsin(np.abs(np.sin(BEARINGS))), s, major(s)) for s in np.linspace(0.82, 0.94, 40)]
+    up = np.sin(BEARINGS) >= 0
     rings = np.array([spoil(np.where(up, top, bottom), rng) for top, bottom in zip(other, clean, strict=True)])
-    found = select_modes(rings, bearings)
+    found = select_modes(rings, BEARINGS)
     named = found.mode >= 0
     assert named.mean() > 0.6
     assert (found.mode[named] == 3).mean() > 0.9
@@ -153,22 +139,20 @@ def test_upside_down_sections_are_recognised():
 
 def test_a_shape_that_no_mode_describes_is_undecided():
     rng = np.random.default_rng(6)
-    bearings = np.arange(READINGS) * 2 * np.pi / READINGS
-    lobed = 1 + 0.03 * np.cos(3 * bearings + 0.4)
-    found = select_modes(np.array([spoil(lobed, rng) for _ in range(20)]), bearings)
+    lobed = 1 + 0.03 * np.cos(3 * BEARINGS + 0.4)
+    found = select_modes(np.array([spoil(lobed, rng) for _ in range(20)]), BEARINGS)
     assert (found.mode == -1).all()
     assert set(found.reason) == {"no mode describes it"}
 
 
 def test_offset_of_the_sensor_and_size_do_not_matter():
     rng = np.random.default_rng(7)
-    bearings = np.arange(READINGS) * 2 * np.pi / READINGS
-    radius, _ = simulated(2, rng, bearings)
-    z, y = 0.15 * radius * np.cos(bearings) - 0.02, 0.15 * radius * np.sin(bearings) + 0.03
+    radius, _ = simulated(2, rng)
+    z, y = 0.15 * radius * np.cos(BEARINGS) - 0.02, 0.15 * radius * np.sin(BEARINGS) + 0.03
     seen = np.arctan2(y, z) % (2 * np.pi)
     order = np.argsort(seen)
-    ranges = np.interp(bearings, seen[order], np.hypot(z, y)[order], period=2 * np.pi)
-    found = select_modes((ranges + 0.15 * NOISE * rng.standard_normal(READINGS))[None], bearings)
+    ranges = np.interp(BEARINGS, seen[order], np.hypot(z, y)[order], period=2 * np.pi)
+    found = select_modes((ranges + 0.15 * NOISE * rng.standard_normal(READINGS))[None], BEARINGS)
     assert found.mode[0] == 2
     assert found.radius[0] == pytest.approx(0.15, rel=1e-3)
     assert found.centre[0] == pytest.approx([-0.02, 0.03], abs=3e-4)
