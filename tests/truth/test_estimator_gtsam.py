@@ -17,7 +17,7 @@ from springline.estimation.states import AXIS, BLOCK, CLOCK, ORIGIN, SCALARS, St
 from springline.estimation.torus import bend_terms
 from springline.simulate import parse, simulate
 
-gtsam = pytest.importorskip("gtsam", reason="GTSAM is not installed: pip install gtsam==4.3.0")
+gtsam = pytest.importorskip("gtsam", reason="needs GTSAM, of requirements-dev.lock")
 
 SCENARIO = """
 name = "two metres"
