@@ -182,7 +182,7 @@ def test_the_design_stands_in_the_survey_and_is_made_anew(inspected, tmp_path):
     assert run("design", second, "-o", second, *LINER, "--force")[0] == 0
 
 
-def test_stations_unlike_their_neighbours_do_not_govern(inspected, tmp_path):
+def test_stations_unlike_their_neighbours_do_not_govern(inspected):
     from springline.design import LinerDesign, design_survey
     from springline.survey import Survey, open_survey
 

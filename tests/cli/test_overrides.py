@@ -61,7 +61,7 @@ def test_a_survey_folder_brings_its_corrections(folder, tmp_path):
     assert "A. &lt;b&gt;Surveyor&lt;/b&gt;" in page and "<b>Surveyor" not in page
 
 
-def test_a_file_has_them_beside_it_or_named(folder, tmp_path):
+def test_a_file_has_them_beside_it_or_named(tmp_path):
     scan = tmp_path / "scan.csv"
     write_rings(scan)
     stated = ("--nominal", "300mm", "--bearing-zero", "right", "--bearing-sense", "ccw")
@@ -76,7 +76,7 @@ def test_a_file_has_them_beside_it_or_named(folder, tmp_path):
     assert len(sl.read(tmp_path / "b" / "survey.zarr.zip").overrides) == 2
 
 
-def test_one_file_of_corrections_does_not_serve_two_scans(folder, tmp_path):
+def test_one_file_of_corrections_does_not_serve_two_scans(tmp_path):
     many = tmp_path / "many"
     many.mkdir()
     for name in ("a.csv", "b.csv"):

@@ -101,7 +101,7 @@ def seen_in_rings(rings: xr.Dataset, mask: xr.Dataset, settings: DetectConfig) -
         height[row_noise > _SCATTERED * np.quantile(row_noise, 0.25)] = np.nan
     _flag(opening, height, cells, openings)
     least = settings.least_depth * diameter
-    bumps = find_bumps(known, cells, height, row_noise, false_alarms=settings.false_alarm, least=least)
+    bumps = find_bumps(cells, height, row_noise, false_alarms=settings.false_alarm, least=least)
     return sorted([*joints, *steps, *openings, *bumps], key=lambda one: one.first_ring + one.last_ring), opening
 
 

@@ -75,7 +75,7 @@ def test_sigmas_are_the_variables_own(survey):
     assert table[["coverage_pct", "ovality_sigma_pct", "residual_rms_mm"]].isna().all(axis=None)
 
 
-def test_twelve_o_clock_is_never_written_as_zero(tmp_path):
+def test_twelve_o_clock_is_never_written_as_zero():
     survey = finished_survey(stations=3, bearings=24, dense=True)
     turned = survey.metrics.assign(axis_bearing=("station", np.array([np.pi / 2, np.pi / 2 - 1e-7, 0.0])))
     groups = {name: survey.group(name) for name in survey.groups} | {"metrics": turned}

@@ -119,17 +119,15 @@ def adjust(model: str, pixels: Array, board: Array, start: Start) -> Adjusted:
                     break
             damping *= 10.0
             if damping > 1e8:
-                return _finished(model, shared, poses, rest, slopes, pixels, board)
+                return _finished(shared, poses, rest, slopes, pixels, board)
         gain = rest @ rest - next_rest @ next_rest
         shared, poses, rest, damping = next_shared, next_poses, next_rest, max(damping / 10.0, 1e-12)
         if gain <= _SETTLED * (rest @ rest):
             break
-    return _finished(model, shared, poses, rest, _slopes(model, shared, poses, pixels, board), pixels, board)
+    return _finished(shared, poses, rest, _slopes(model, shared, poses, pixels, board), pixels, board)
 
 
-def _finished(
-    model: str, shared: Array, poses: Array, rest: Array, slopes: Array, pixels: Array, board: Array
-) -> Adjusted:
+def _finished(shared: Array, poses: Array, rest: Array, slopes: Array, pixels: Array, board: Array) -> Adjusted:
     # A board's point that was not found leaves a residual of zero.
     count = 2 * int(np.isfinite(pixels).all(axis=2).sum())
     freedom = max(count - slopes.shape[1], 1)

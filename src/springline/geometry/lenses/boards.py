@@ -34,8 +34,6 @@ MOST_SCALE_SIGMA = 0.01
 """Relative one-sigma of k above which the pictures do not determine the lens: no board was tilted."""
 WORST_RMS = 0.005
 """Residual rms, as a share of the picture's longer side, above which the points are not of such a board."""
-NOT_FLAT = 0.2
-"""Share of a board's size by which its points may miss a flat board at first sight."""
 
 
 @dataclass(frozen=True, eq=False)

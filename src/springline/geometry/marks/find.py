@@ -224,7 +224,6 @@ def _opening_sure(far: float, missing: float) -> float:
 
 
 def find_bumps(
-    rings: Rings,
     cells: WallMap,
     height: NDArray[np.float64],
     noise: NDArray[np.float64],
@@ -238,7 +237,6 @@ def find_bumps(
     roughness, which errs alike over a patch, counts as it is.
 
     Args:
-        rings: The rings.
         cells: The unrolled wall.
         height: (row, column) deviation of the wall from what goes on along the pipe [m]; NaN = not seen.
         noise: (row,) one-sigma of a reading [m]: where a sensor sees worse, more is asked for.

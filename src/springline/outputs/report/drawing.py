@@ -54,11 +54,10 @@ class Residuals:
 
 @dataclass(frozen=True)
 class Drawing:
-    """A drawn section: a circle of radius 100, with departures from it drawn `exaggeration` times as large."""
+    """A drawn section: a circle of radius 100, with departures from it drawn as much larger as the caption says."""
 
     title: str
     caption: str
-    exaggeration: float
     bar: tuple[float, str]
     fit: str
     chords: tuple[Chord, ...]
@@ -103,7 +102,6 @@ def draw_section(
     return Drawing(
         f"Section at {scales.length.text(chainage, 2)}",
         f"Departures from the circle ×{factor:g}." if factor > 1 else "True scale.",
-        factor,
         _bar(factor, reference, scales.small),
         "M" + "L".join(f"{x:.1f} {y:.1f}" for x, y in zip(*place(fit, around), strict=True)) + "Z",
         _chords(results, station, place, scales.small),
