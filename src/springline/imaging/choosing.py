@@ -45,13 +45,13 @@ class Bias:
 
         Source: 6.5, x - mu delta, with the cotangent of erratum 34.
 
-        >>> Bias.of_view(0.15, np.radians(45.0)).high
+        >>> round(Bias.of_view(0.15, np.radians(45.0)).high, 9)
         0.45
         """
         require(radius > 0, "radius", radius, "radius > 0 m", "give a length in metres")
         require(0 < half_view < np.pi / 2, "half_view", half_view, "0 < half_view < pi/2 rad", "give radians")
         enters = radius / np.tan(half_view)
-        return cls(round(float(factors[0] * enters), 9), round(float(factors[1] * enters), 9))
+        return cls(float(factors[0] * enters), float(factors[1] * enters))
 
     def learn(self, ahead: float) -> Bias:
         """Return the interval after the nearest clear view of a place was found `ahead` of the camera [m].

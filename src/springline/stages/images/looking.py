@@ -196,14 +196,18 @@ def _views(camera: MountedCamera, radius: float) -> dict[str, tuple[float, float
 
     Nearer than the wall enters view nothing is; a joint is lost where a pixel is too much of the wall.
     """
+    from ...imaging.choosing import Bias
+
     lens = camera.lens
     half = float(np.nan_to_num(lens.zenith(0.5 * min(camera.size)), nan=lens.max_zenith))
-    enters = 1.0 / math.tan(min(max(half, _LEAST_HALF_VIEW), _MOST_HALF_VIEW))
+    half = min(max(half, _LEAST_HALF_VIEW), _MOST_HALF_VIEW)
+    enters = 1.0 / math.tan(half)
     joint = max(_NEAREST_JOINT, enters)
     farthest = math.sqrt(max(_FINEST * float(lens.radius(_LEAST_HALF_VIEW)) / _LEAST_HALF_VIEW - 1.0, 0.0))
+    lateral = Bias.of_view(radius, half, factors=_LATERAL_VIEW)
     return {
         "joint": (joint * radius, max(farthest, 1.5 * joint) * radius),
-        "lateral": tuple(factor * enters * radius for factor in _LATERAL_VIEW),
+        "lateral": (lateral.low, lateral.high),
     }
 
 
