@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from springline.geometry.camera import project
+from springline.geometry.camera import camera_eye, project
 from springline.geometry.checks import choice, finite
 from springline.geometry.contours import elliptic_distance, fourier_distance, norm_difference, procrustes_distance
 from springline.geometry.openings import lateral_contour
@@ -119,7 +119,7 @@ def expected_contour(
         ahead: x of its axis from the camera [m]; three of the larger semi-axis when not given.
     """
     turn = np.linspace(0.0, 2.0 * np.pi, 200, endpoint=False)
-    x = -(np.asarray(matrix, float)[:3, :3].T @ np.asarray(matrix, float)[:3, 3])[0]
+    x = camera_eye(matrix)[0]
     edge = lateral_contour(
         turn, r1, r2, lateral_radius or 0.5 * min(r1, r2), x=x + (3.0 * max(r1, r2) if ahead is None else ahead)
     )

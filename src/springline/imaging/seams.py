@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numba import njit
 
+from springline.geometry.camera import camera_eye
 from springline.imaging.opencv import opencv
 from springline.imaging.unwrapping import wall_grid
 
@@ -130,7 +131,7 @@ def seams_of_frame(
     """
     cv2 = opencv()
     matrix = np.asarray(matrix, dtype=float)
-    eye = float(-(matrix[:3, :3].T @ matrix[:3, 3])[0])
+    eye = float(camera_eye(matrix)[0])
     radius = math.sqrt(r1 * r2)
     outer = min(math.atan2(1.0, nearest), 0.999 * lens.max_zenith)
     widest, narrowest = float(lens.radius(outer)), float(lens.radius(math.atan2(1.0, farthest)))

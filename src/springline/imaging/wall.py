@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from springline.geometry.camera import from_pixels
+from springline.geometry.camera import camera_eye, from_pixels
 from springline.imaging.decision import verdict
 from springline.imaging.edges import edge_field
 from springline.imaging.frames import checked_frame
@@ -160,7 +160,7 @@ class _View:
 
     @property
     def eye_x(self) -> float:
-        return float(-(self.matrix[:3, :3].T @ self.matrix[:3, 3])[0])
+        return float(camera_eye(self.matrix)[0])
 
     def joints(self, seams: Seams | None) -> list[Mark]:
         if seams is None:
