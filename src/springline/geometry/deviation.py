@@ -36,6 +36,37 @@ def radial_deviation(ranges: ArrayLike, bearings: ArrayLike, parameters: ArrayLi
     return np.hypot(z, y) - polar_radius(p[:, None, 2:], np.arctan2(y, z))
 
 
+def common_deviation(ranges: ArrayLike, bearings: ArrayLike, parameters: ArrayLike) -> tuple[float, float]:
+    """Return how far the wall leaves its ellipses at the same bearings in all of some rings.
+
+    The median over the rings is taken at each bearing that three in ten of them show, and then over 10 degrees of arc:
+    neither what one ring shows, such as a lateral or a joint, nor noise counts.
+
+    Args:
+        ranges: (ring, bearing) ranges from the ring's own origin [m]; NaN = none.
+        bearings: (bearing,) bearings [rad], from +z counter-clockwise.
+        parameters: (ring, 5) centre_z, centre_y, mean_radius, oval_cos, oval_sin [m].
+
+    Returns:
+        Root mean square and largest size [m]; zeros where nothing is shown.
+
+    >>> t = np.radians(np.arange(0, 360, 2))
+    >>> found = common_deviation(0.3 + 0.01 * np.tile(np.cos(3 * t), (9, 1)), t, np.tile([0, 0, 0.3, 0, 0], (9, 1)))
+    >>> np.round(found, 3)
+    array([0.007, 0.01 ])
+    """
+    deviation = radial_deviation(ranges, bearings, parameters)
+    shown = np.isfinite(deviation).sum(axis=0) >= max(0.3 * len(deviation), 1.0)
+    if not shown.any():
+        return 0.0, 0.0
+    common = np.full(deviation.shape[1], np.nan)
+    common[shown] = np.nanmedian(deviation[:, shown], axis=0)
+    reach = max(1, round(_WINDOW / (2 * np.pi / len(common)) / 2))
+    smooth = np.array([np.roll(common, k) for k in range(-reach, reach + 1)])
+    smooth = np.nanmedian(smooth[:, np.isfinite(smooth).any(axis=0)], axis=0)
+    return float(np.sqrt(np.mean(smooth**2))), float(np.abs(smooth).max())
+
+
 def smoothed_extremes(deviation: ArrayLike, bearings: ArrayLike) -> tuple[NDArray[np.float64], ...]:
     """Return the furthest that the wall stands inside and outside its section, averaged over 10 degrees of arc.
 

@@ -13,6 +13,7 @@ from ...survey import add_assumption, add_warning
 from . import groups
 from .jointly import estimate_survey, why_never, why_not
 from .layout import layout
+from .misfit import doubted, off_the_ellipse
 from .rear import rear_rings, why_no_rear
 from .rings import Seen, describe, fit_rings
 
@@ -32,13 +33,14 @@ def estimate(survey: Survey, config: Config) -> Survey:
     """Return the survey with `/pose` and `/section`, and `/layout` where it can be known.
 
     Every ring gets one robust geometric ellipse, its sigma widened where neighbouring readings err together. With
-    `estimate.method` joint, or auto and an inertial log or a second scanner, the robot's path, the true section
-    and the layout are then estimated together (`docs/estimator.md`). Otherwise the section's centre gives the sensor's
+    `estimate.method` joint, or auto and an inertial log or a second scanner, the robot's path, the true section and
+    the layout are then estimated together (`docs/estimator.md`). Otherwise the section's centre gives the sensor's
     offset and its shape is taken as perpendicular to the pipe, so that the sensor's own tilt stays in it (an
     assumption that is stated). Stations without enough coverage, or whose readings do not determine an ellipse, have
-    no section and say why in `status`. Rings that were cut from a cloud share its axis and lend one another what a part
-    of the wall leaves open; their mean section gives the mean diameter. The mode of deformation is named only where
-    its posterior is clear, `undecided` otherwise.
+    no section and say why in `status`. Where the wall leaves its ellipse at the same bearings all along, that is said
+    and sigma are as wide; a liner whose lobes are asked for is left to `liner`. Rings that were cut from a cloud
+    share its axis and lend one another what a part of the wall leaves open; their mean section gives the mean
+    diameter. The mode of deformation is named only where its posterior is clear, `undecided` otherwise.
 
     Args:
         survey: With `/rings` and `/mask`; `/candidates`, `/inertial` and `/ties` are used when they are there.
@@ -68,7 +70,10 @@ def estimate(survey: Survey, config: Config) -> Survey:
         survey = add_warning(survey, f"The rear scanner was left aside: {reason}.")
     counter = config.sensor.counter_scale_sigma
     found = _alone(rings, fitted, counter) if joint is None else _together(rings, fitted, joint)
-    found |= describe(rings, mask, fitted, found.pop("seen"))
+    seen = found.pop("seen")
+    if not config.liner.fit:
+        survey, found = doubted(survey, found, off_the_ellipse(rings, mask, seen.ellipse, fitted.noise))
+    found |= describe(rings, mask, fitted, seen)
     scattered = _scattered(rings, fitted)
     found["flags"] = {"inverted": found["inverted"], "unlike_neighbours": found["unlike"], "scattered": scattered}
     section = groups.section(rings, mask, found)
