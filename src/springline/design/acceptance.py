@@ -13,8 +13,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from springline.design.rule import Rule, load_rule
-from springline.errors import ParameterError, nearest
-from springline.geometry.checks import finite, require
+from springline.errors import ParameterError
+from springline.geometry.checks import choice, finite, require
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -103,8 +103,9 @@ def evaluate(
         )
     require(~(sigmas < 0), "sigmas", sigmas, "sigma >= 0", "give one-sigma values")
     require(np.asarray(0 < confidence < 1), "confidence", confidence, "0 < confidence < 1", "0.95 is usual")
-    _known("reference", reference, REFERENCES)
-    _known("material", material, MATERIALS)
+    for name, word, known in (("reference", reference, REFERENCES), ("material", material, MATERIALS)):
+        if word is not None:
+            choice(name, word, known)
     bounds = rule.bounds(material)
     reason = _not_applicable(rule, reference, material, bounds)
     if reason:
@@ -201,8 +202,3 @@ def _classes(values: Array, bounds: Bounds) -> Array:
     # A reading just below zero is a round pipe in noise: the mildest class.
     found[values < bounds[-1][1]] = bounds[-1][0]
     return found
-
-
-def _known(name: str, value: str | None, words: tuple[str, ...]) -> None:
-    if value is not None and value not in words:
-        raise ParameterError(f"{name} = {value!r} is not known{nearest(str(value), words)}", expected=", ".join(words))

@@ -6,8 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..errors import InputError
-from .named_columns import Rows, check_columns, read_named
+from .named_columns import Rows, check_columns, number_of, read_named
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -37,11 +36,7 @@ def read_lens_table(path: Path, columns: tuple[str, ...]) -> dict[str, NDArray]:
 
 
 def _numbers(rows: Rows, name: str, path: Path) -> NDArray[np.float64]:
-    return np.array([_number(cells[name], f"{path}, row {number}, column {name}") for number, cells in rows])
-
-
-def _number(cell: str, where: str) -> float:
-    try:
-        return float(cell) if cell else float("nan")
-    except ValueError:
-        raise InputError(f"the cell '{cell}' is not a number", where=where) from None
+    return np.array([
+        number_of(cells[name], f"{path}, row {number}, column {name}") if cells[name] else np.nan
+        for number, cells in rows
+    ])  # fmt: skip

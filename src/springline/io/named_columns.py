@@ -46,3 +46,15 @@ def check_columns(header: Sequence[str], needed: Sequence[str], known: Sequence[
     for name in header:
         if name not in known:
             raise InputError(f"unknown column '{name}'{nearest(name, known)}", where=path)
+
+
+def number_of(cell: str, where: str, *, expected: str | None = None) -> float:
+    """Return the number in a cell.
+
+    Raises:
+        InputError: There is none.
+    """
+    try:
+        return float(cell)
+    except ValueError:
+        raise InputError(f"the cell '{cell}' is not a number", where=where, expected=expected) from None

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from ..errors import InputError
-from .named_columns import Rows, check_columns, read_named
+from .named_columns import Rows, check_columns, number_of, read_named
 from .units import METRES
 
 _DIAMETERS = {f"diameter_{unit}": factor for unit, factor in METRES.items()}
@@ -85,10 +85,7 @@ def _quantity(header: list[str], path: Path, others: tuple[str, ...]) -> str:
 
 
 def _number(cell: str, where: str) -> float:
-    try:
-        value = float(cell)
-    except ValueError:
-        raise InputError(f"'{cell}' is not a number", where=where) from None
+    value = number_of(cell, where)
     if not 0.0 < value < float("inf"):
         raise InputError(f"{cell} is not a diameter", where=where, expected="a number above zero")
     return value

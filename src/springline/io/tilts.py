@@ -6,7 +6,7 @@ from math import radians
 from typing import TYPE_CHECKING
 
 from ..errors import InputError, nearest
-from .named_columns import check_columns, read_named
+from .named_columns import check_columns, number_of, read_named
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -46,7 +46,4 @@ def read_tilts(path: Path, scans: Iterable[str]) -> dict[str, tuple[float, float
 
 
 def _angle(cell: str, where: str) -> float:
-    try:
-        return radians(float(cell))
-    except ValueError:
-        raise InputError(f"'{cell}' is not a number", where=where, expected="degrees") from None
+    return radians(number_of(cell, where, expected="degrees"))

@@ -10,6 +10,7 @@ import pandas as pd
 
 from ..design.along import stated, thickness_variable
 from ..design.liner import WARNINGS
+from .plain import plain_number
 from .results import text
 
 if TYPE_CHECKING:
@@ -38,20 +39,20 @@ def design_summary(survey: Survey) -> dict[str, Any]:
         **{key: attrs[key] for key in ("rule", "edition", "condition", "mean")},
         "stations": int(thickness.size),
         "stations_without": int(np.sum(~known)),
-        "governing_chainage_m": _number(data["chainage"].values[at]),
+        "governing_chainage_m": plain_number(data["chainage"].values[at]),
         "governing_check": str(governing[at]),
-        "diameter_mm": _number(data["diameter"].values[at], 1e3),
-        "ovality_pct": _number(data["ovality"].values[at], 1e2),
-        "required_mm": _number(thickness[at], 1e3),
-        "sigma_mm": _number(data["liner_thickness_sigma"].values[at], 1e3),
-        "required_upper_mm": _number(attrs["required_upper"], 1e3),
-        "standard_mm": _number(attrs["standard"], 1e3),
-        "standard_upper_mm": _number(attrs["standard_upper"], 1e3),
-        "dimension_ratio": _number(data["dimension_ratio"].values[at]),
-        "thickness_min_mm": _number(np.nanmin(thickness), 1e3),
-        "thickness_mean_mm": _number(np.nanmean(thickness), 1e3),
-        "governs": {check: _number(np.mean(governing[known] == check)) for check in checks},
-        "checks_mm": {check: _number(data[thickness_variable(check)].values[at], 1e3) for check in checks},
+        "diameter_mm": plain_number(data["diameter"].values[at], 1e3),
+        "ovality_pct": plain_number(data["ovality"].values[at], 1e2),
+        "required_mm": plain_number(thickness[at], 1e3),
+        "sigma_mm": plain_number(data["liner_thickness_sigma"].values[at], 1e3),
+        "required_upper_mm": plain_number(attrs["required_upper"], 1e3),
+        "standard_mm": plain_number(attrs["standard"], 1e3),
+        "standard_upper_mm": plain_number(attrs["standard_upper"], 1e3),
+        "dimension_ratio": plain_number(data["dimension_ratio"].values[at]),
+        "thickness_min_mm": plain_number(np.nanmin(thickness), 1e3),
+        "thickness_mean_mm": plain_number(np.nanmean(thickness), 1e3),
+        "governs": {check: plain_number(np.mean(governing[known] == check)) for check in checks},
+        "checks_mm": {check: plain_number(data[thickness_variable(check)].values[at], 1e3) for check in checks},
         "inputs": json.loads(attrs["inputs"]),
         "warnings": [f"at {remarks.count(key)} stations {WARNINGS[key]}" for key in WARNINGS if key in remarks],
     }
@@ -79,18 +80,18 @@ def numbers_summary(
         "stations_without": 0,
         "governing_chainage_m": None,
         "governing_check": str(found.governing),
-        "diameter_mm": _number(diameter, 1e3),
-        "ovality_pct": _number(ovality, 1e2),
-        "required_mm": _number(found.thickness, 1e3),
-        "sigma_mm": _number(found.sigma, 1e3),
-        "required_upper_mm": _number(upper, 1e3),
-        "standard_mm": _number(standards[0], 1e3),
-        "standard_upper_mm": _number(standards[1], 1e3),
-        "dimension_ratio": _number(found.dimension_ratio),
-        "thickness_min_mm": _number(found.thickness, 1e3),
-        "thickness_mean_mm": _number(found.thickness, 1e3),
+        "diameter_mm": plain_number(diameter, 1e3),
+        "ovality_pct": plain_number(ovality, 1e2),
+        "required_mm": plain_number(found.thickness, 1e3),
+        "sigma_mm": plain_number(found.sigma, 1e3),
+        "required_upper_mm": plain_number(upper, 1e3),
+        "standard_mm": plain_number(standards[0], 1e3),
+        "standard_upper_mm": plain_number(standards[1], 1e3),
+        "dimension_ratio": plain_number(found.dimension_ratio),
+        "thickness_min_mm": plain_number(found.thickness, 1e3),
+        "thickness_mean_mm": plain_number(found.thickness, 1e3),
         "governs": {check: float(check == found.governing) for check in found.checks},
-        "checks_mm": {check: _number(values, 1e3) for check, values in found.checks.items()},
+        "checks_mm": {check: plain_number(values, 1e3) for check, values in found.checks.items()},
         "inputs": json.loads(attrs["inputs"]),
         "warnings": [WARNINGS[name] for name in found.warnings],
     }
@@ -123,7 +124,3 @@ def design_table(survey: Survey) -> tuple[pd.DataFrame, dict[str, int]]:
     for name in ("liner_governing", "liner_remarks"):
         table[name] = text(data, name, count)
     return table, {name: decimals for name, (_, decimals) in columns.items()}
-
-
-def _number(value: float, factor: float = 1.0) -> float | None:
-    return None if not np.isfinite(value) else round(float(value) * factor, 4) + 0.0

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import json
-import math
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from .. import __version__
+from .plain import plain_number
 from .results import Results, feature_count, worst_station
 
 if TYPE_CHECKING:
@@ -38,15 +38,15 @@ def summary(survey: Survey) -> dict[str, Any]:
     coverage = results.coverage
     return {
         "name": survey.attrs.get("name"),
-        "length_m": _number(results.length, 1.0, 4),
+        "length_m": plain_number(results.length),
         "stations": results.stations,
-        "nominal_diameter_mm": _number(survey.attrs.get("nominal_diameter"), 1e3, 3),
-        "coverage_pct": _number(np.mean(np.nan_to_num(coverage)) if np.isfinite(coverage).any() else None, 1e2, 2),
-        "unseen_m": _number(results.unseen, 1.0, 4),
-        "diameter_mean_mm": _number(results.metrics_attr("diameter_mean"), 1e3, 4),
-        "diameter_sigma_mm": _number(results.metrics_attr("diameter_sigma"), 1e3, 4),
-        "diameter_sigma_fit_mm": _number(results.metrics_attr("diameter_sigma_fit"), 1e3, 4),
-        "diameter_sigma_scale_mm": _number(results.metrics_attr("diameter_sigma_scale"), 1e3, 4),
+        "nominal_diameter_mm": plain_number(survey.attrs.get("nominal_diameter"), 1e3, 3),
+        "coverage_pct": plain_number(np.mean(np.nan_to_num(coverage)) if np.isfinite(coverage).any() else None, 1e2, 2),
+        "unseen_m": plain_number(results.unseen),
+        "diameter_mean_mm": plain_number(results.metrics_attr("diameter_mean"), 1e3),
+        "diameter_sigma_mm": plain_number(results.metrics_attr("diameter_sigma"), 1e3),
+        "diameter_sigma_fit_mm": plain_number(results.metrics_attr("diameter_sigma_fit"), 1e3),
+        "diameter_sigma_scale_mm": plain_number(results.metrics_attr("diameter_sigma_scale"), 1e3),
         "ovality_polar_max_pct": _at(ovality, most_oval, 1e2),
         "ovality_polar_max_sigma_pct": sigma("ovality_polar", most_oval),
         "ovality_polar_max_chainage_m": _at(results.chainage, most_oval, 1.0),
@@ -76,11 +76,4 @@ def _deviations(results: Results) -> dict[str, float | None]:
 
 
 def _at(values: np.ndarray, station: int | None, factor: float) -> float | None:
-    return None if station is None else _number(values[station], factor, 4)
-
-
-def _number(value: Any, factor: float, decimals: int) -> float | None:
-    """Return a rounded plain number; None for what is missing, because JSON has no NaN."""
-    if value is None or not math.isfinite(value):
-        return None
-    return round(float(value) * factor, decimals) + 0.0
+    return None if station is None else plain_number(values[station], factor)

@@ -7,6 +7,7 @@ from math import pi
 from typing import TYPE_CHECKING, TypedDict
 
 from springline.errors import ParameterError, nearest
+from springline.geometry.checks import choice
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
@@ -89,10 +90,8 @@ def resolve(options: FitOptions, methods: dict[str, int], noise: str = "range") 
             raise ParameterError(
                 f"a fit has no option {name!r}{nearest(name, known)}", expected=f"one of {', '.join(known)}"
             )
-    method = options.get("method", "geometric")
-    _known("method", method, methods)
-    noise = options.get("noise", noise)
-    _known("noise", noise, NOISE_MODELS)
+    method = choice("method", options.get("method", "geometric"), tuple(methods))
+    noise = choice("noise", options.get("noise", noise), tuple(NOISE_MODELS))
     least_arc = float(options.get("least_arc", SHORTEST_ARC))
     if not 0.0 <= least_arc < 2.0 * pi:
         raise ParameterError(f"least_arc is {least_arc}", expected="an angle in radians, from 0 to 2 pi")
@@ -113,8 +112,3 @@ def resolve(options: FitOptions, methods: dict[str, int], noise: str = "range") 
         keep_weights=bool(options.get("keep_weights", False)),
         workers=workers,
     )
-
-
-def _known(name: str, value: str, known: dict[str, int]) -> None:
-    if value not in known:
-        raise ParameterError(f"{name} is {value!r}{nearest(str(value), known)}", expected=f"one of {', '.join(known)}")

@@ -9,6 +9,7 @@ import numpy as np
 
 from ... import __version__
 from ...compare.verdicts import QUANTITIES
+from ..plain import plain_number
 from .tables import clock
 
 if TYPE_CHECKING:
@@ -30,32 +31,32 @@ def comparison_summary(found: Comparison) -> dict[str, Any]:
     good = placed.reliable(x)
     sigma = placed.at(x)[1]
     compared = None if d is None else float(np.isfinite(d.change).any(axis=1).sum() * d.step)
-    missing = [{"start_m": _number(s), "end_m": _number(e), "why": why} for s, e, why in found.missing]
+    missing = [{"start_m": plain_number(s), "end_m": plain_number(e), "why": why} for s, e, why in found.missing]
     return {
         "a": found.a.name,
         "b": found.b.name,
         "date_a": found.a.date.isoformat() if found.a.date else None,
         "date_b": found.b.date.isoformat() if found.b.date else None,
-        "years": _number(found.years),
+        "years": plain_number(found.years),
         "driven_from_the_other_end": placed.reversed,
-        "probability_same_pipe": _number(match.probability_same) if match is not None else None,
-        "relief_agreement": _number(placed.agreement),
-        "relief_evidence_nats": _number(placed.log_evidence, digits=1) if d is not None else None,
-        "length_a_m": _number(found.a.extent[1] - found.a.extent[0]),
-        "placed_pct": _number(100.0 * good.mean(), digits=1),
-        "chainage_sigma_mm": _number(1e3 * np.median(sigma[good]), digits=2) if good.any() else None,
-        "wall_compared_m": _number(compared),
+        "probability_same_pipe": plain_number(match.probability_same) if match is not None else None,
+        "relief_agreement": plain_number(placed.agreement),
+        "relief_evidence_nats": plain_number(placed.log_evidence, decimals=1) if d is not None else None,
+        "length_a_m": plain_number(found.a.extent[1] - found.a.extent[0]),
+        "placed_pct": plain_number(100.0 * good.mean(), decimals=1),
+        "chainage_sigma_mm": plain_number(1e3 * np.median(sigma[good]), decimals=2) if good.any() else None,
+        "wall_compared_m": plain_number(compared),
         "pairs": 0 if found.paired is None else len(found.paired.index_a),
         "changes": verdicts.count("change"),
         "measurement_errors": verdicts.count("measurement error"),
         "unclear": verdicts.count("unclear"),
-        "largest_wall_change_mm": _number(1e3 * worst.change, digits=3) if worst else None,
-        "largest_wall_change_sigma_mm": _number(1e3 * worst.sigma, digits=3) if worst else None,
-        "largest_wall_change_chainage_m": _number(worst.chainage) if worst else None,
-        "largest_wall_change_clock_h": _number(float(clock(np.array(worst.bearing)))) if worst else None,
-        "range_scale_b_over_a_pct": _number(100.0 * d.scale) if d is not None else None,
-        "range_scale_sigma_pct": _number(100.0 * d.scale_sigma) if d is not None else None,
-        "common_pattern_mm": _number(1e3 * np.abs(d.pattern).max()) if d is not None else None,
+        "largest_wall_change_mm": plain_number(1e3 * worst.change, decimals=3) if worst else None,
+        "largest_wall_change_sigma_mm": plain_number(1e3 * worst.sigma, decimals=3) if worst else None,
+        "largest_wall_change_chainage_m": plain_number(worst.chainage) if worst else None,
+        "largest_wall_change_clock_h": plain_number(float(clock(np.array(worst.bearing)))) if worst else None,
+        "range_scale_b_over_a_pct": plain_number(100.0 * d.scale) if d is not None else None,
+        "range_scale_sigma_pct": plain_number(100.0 * d.scale_sigma) if d is not None else None,
+        "common_pattern_mm": plain_number(1e3 * np.abs(d.pattern).max()) if d is not None else None,
         "false_alarms_per_100m": found.rate,
         "detectable": _detectable(found),
         "not_compared": missing,
@@ -68,9 +69,9 @@ def _detectable(found: Comparison) -> dict[str, dict[str, Any]]:
     rows = {}
     for key, value in found.detectable.items():
         kind = QUANTITIES[key]
-        rows[kind.words] = {"value": _number(value * kind.factor), "unit": kind.unit}
+        rows[kind.words] = {"value": plain_number(value * kind.factor), "unit": kind.unit}
     if math.isfinite(found.detectable_edge):
-        rows["wall, local, dent from edge to edge"] = {"value": _number(1e3 * found.detectable_edge), "unit": "mm"}
+        rows["wall, local, dent from edge to edge"] = {"value": plain_number(1e3 * found.detectable_edge), "unit": "mm"}
     return rows
 
 
@@ -81,7 +82,7 @@ def series_summary(found: Series) -> dict[str, Any]:
             {
                 "name": e.name,
                 "date": e.date.isoformat() if e.date else None,
-                "years": _number(t) if found.dated else None,
+                "years": plain_number(t) if found.dated else None,
             }
             for e, t in zip(found.epochs, found.times, strict=True)
         ],
@@ -94,10 +95,3 @@ def series_summary(found: Series) -> dict[str, Any]:
         "feature_trends_told": sum(t.significant for t in found.features),
         "version": __version__,
     }
-
-
-def _number(value: Any, *, digits: int = 4) -> float | None:
-    """Return a rounded plain number; None for what is missing, because JSON has no NaN."""
-    if value is None or not math.isfinite(value):
-        return None
-    return round(float(value), digits) + 0.0
