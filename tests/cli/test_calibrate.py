@@ -134,8 +134,13 @@ def test_a_study_of_results_is_written_as_tables_and_a_page(tmp_path):
     assert [one["verdict"] for one in found["verdicts"]] == ["pass", "uncertain"]
     page = (tmp_path / "study" / "study.html").read_text()
     assert page.count("<rect") == 6 and "http" not in page
-    code, _, err = run("calibrate", "study", tmp_path / "results.csv", "-o", tmp_path / "study")
+    again = ("calibrate", "study", tmp_path / "results.csv", "-o")
+    code, _, err = run(*again, tmp_path / "study")
     assert code == 2 and "exists already" in err
+    assert run(*again, tmp_path / "study", "--force")[0] == 0
+    code, _, err = run(*again, tmp_path, "--force")
+    assert code == 2 and "other files than those of a precision study" in err
+    assert (tmp_path / "results.csv").read_text() == RESULTS
 
 
 def test_a_study_reads_scans_and_fails_a_check_that_is_asked_for(folder, tmp_path):

@@ -56,7 +56,7 @@ def test_a_folder_of_something_else_is_not_thrown_away(tmp_path):
     (tmp_path / "thesis.txt").write_text("mine")
     code, _, err = reproduce("tables", "-o", str(tmp_path), "--force")
     assert code == 2
-    assert "something else than a gallery" in err
+    assert "other files than those of a gallery" in err
     assert (tmp_path / "thesis.txt").read_text() == "mine"
 
 

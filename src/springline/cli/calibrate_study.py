@@ -52,9 +52,9 @@ def study(
     from ..calibration.verdicts import judge_precision
     from ..io.precision_tables import read_results
     from ..outputs.precision import write_study
+    from ..outputs.precision.write import STUDY
 
-    if output.exists() and not force:
-        raise InputError("it exists already", where=output, mend="choose another folder or pass --force")
+    STUDY.check(output, force=force)
     rows = read_results(table)
     measures = _references(reference, references, sorted({row.material for row in rows}))
     options = {"unit": unit, "bearing_zero": bearing_zero, "bearing_sense": bearing_sense, "sensor": sensor}

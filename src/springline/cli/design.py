@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from ..errors import InputError, OutputError, ParameterError
+from ..errors import InputError, ParameterError
 from . import design_options as given
 from .options import Force, Json
 from .quantities import quantity
@@ -186,15 +186,9 @@ def _from_numbers(
 
 
 def _write(found: dict[str, Any], output: Path, *, force: bool) -> None:
-    from ..survey.files import replacing
+    from ..survey.files import OwnFolder, replacing
 
-    if force and output.exists() and (not output.is_dir() or {p.name for p in output.iterdir()} - {"design.json"}):
-        raise OutputError(
-            "it holds other files than a design, and --force would remove them",
-            where=output,
-            mend="choose another folder",
-        )
-    with replacing(output, force=force) as temporary:
+    with replacing(output, force=force, own=OwnFolder.of("a design", "design.json", alone=True)) as temporary:
         temporary.mkdir()
         (temporary / "design.json").write_text(_as_text(found), encoding="utf-8")
 
@@ -217,15 +211,14 @@ def _along(
     from ..design import design_survey
     from ..outputs import tables
     from ..outputs.design import design_summary, design_table
-    from ..outputs.write import write_outputs
+    from ..outputs.write import INSPECTION, write_outputs
 
     for flag, text in typed.items():
         if text is not None:
             raise InputError("given twice", where=flag, expected="a diameter and an ovality from the scan or from you")
     if output is None:
         raise InputError("no output was named", mend="add -o OUT")
-    if output.exists() and not force:
-        raise OutputError("it exists already", where=output, mend="choose another folder or pass --force")
+    INSPECTION.check(output, force=force)
     survey = design_survey(_inspected(source), wanted, **choices)
     found = design_summary(survey)
     table, decimals = design_table(survey)

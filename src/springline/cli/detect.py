@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from ..errors import InputError, OutputError
+from ..errors import InputError
 from .options import Force, Json
 from .run import as_json as print_json
 
@@ -54,15 +54,16 @@ def detect(
     is counter-clockwise on the screen. Images that cannot be read are named, skipped and counted.
     """
     from ..imaging.frames import find_frames
-    from ..survey.files import replacing
+    from ..survey.files import OwnFolder, replacing
 
     survey = _survey(frames, nominal)
     paths = find_frames(frames) if survey is None else _frames_of(survey)
-    _check_replaceable(output, force)
+    own = OwnFolder.of("a detection", _TABLE)
+    own.check(output, force=force)
     placed, why = (None, "") if survey is None else _placed(survey)
     rows: list[tuple[str, Detection]] = []
     warnings: list[str] = []
-    with replacing(output, force=force) as temporary:
+    with replacing(output, force=force, own=own) as temporary:
         temporary.mkdir()
         read = _detect_into(temporary, paths, rows, warnings)
         if not read:
@@ -155,20 +156,6 @@ def _row(name: str, one: Detection) -> list[Any]:
         f"{math.degrees(one.angle):.2f}",
         f"{one.confidence:.3f}",
     ]
-
-
-def _check_replaceable(output: Path, force: bool) -> None:
-    """Refuse to throw away a folder that is not ours."""
-    if not force or not output.exists():
-        return
-    if not output.is_dir():
-        raise OutputError("it is a file, not a folder", where=output, mend="choose another folder")
-    if any(output.iterdir()) and not (output / _TABLE).exists():
-        raise OutputError(
-            f"it holds other files and no {_TABLE}, and --force would remove them",
-            where=output,
-            mend="choose another folder",
-        )
 
 
 def _tell(

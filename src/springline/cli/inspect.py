@@ -204,10 +204,10 @@ def _inspect_each(
     keep_going: bool,
 ) -> dict[str, Any]:
     """Inspect several scans into a folder each, the whole appearing at once."""
-    from ..survey.files import replacing
+    from ..survey.files import OwnFolder, replacing
 
     scans, failed = [], []
-    with replacing(output, force=force) as temporary:
+    with replacing(output, force=force, own=OwnFolder.of("inspections", "summary.json")) as temporary:
         temporary.mkdir()
         for key, survey in surveys.items():
             try:

@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from ..errors import OutputError
 from .options import Force
 
 if TYPE_CHECKING:
@@ -39,10 +38,12 @@ def reproduce(
     Prints each table cell by cell where it differs, and each statement about a figure that does not hold, with the
     reason; with -o also writes one page with everything, and every figure as SVG.
     """
-    from ..reproduce.gallery import all_tables
+    from ..reproduce.gallery import all_tables, gallery
+    from ..survey.files import OwnFolder, replacing
 
+    own = OwnFolder.of("a gallery", "index.html")
     if output is not None:
-        _check_replaceable(output, force)
+        own.check(output, force=force)
     tables = all_tables() if what is not What.FIGURES else []
     figures = _figures() if what is not What.TABLES else []
     for made in tables:
@@ -50,7 +51,10 @@ def reproduce(
     for drawn in figures:
         _tell_figure(drawn)
     if output is not None:
-        _write(output, tables, figures, force)
+        with replacing(output, force=force, own=own) as temporary:
+            temporary.mkdir()
+            for name, content in gallery(tables, figures).items():
+                (temporary / name).write_text(content, encoding="utf-8")
         typer.echo(f"\n{output / 'index.html'}")
 
 
@@ -87,23 +91,3 @@ def _tell_figure(drawn: Figure) -> None:
         if not check.holds:
             printed = f" (printed: {check.printed})" if check.printed else ""
             typer.echo(f"  not so: {check.statement}{printed}: {check.found}. {check.why}")
-
-
-def _check_replaceable(directory: Path, force: bool) -> None:
-    """Refuse before the work what could not be written after it, and never throw away a folder that is not ours."""
-    if not directory.exists():
-        return
-    if not force:
-        raise OutputError("it exists already", where=directory, mend="choose another name or pass --force")
-    if not directory.is_dir() or (any(directory.iterdir()) and not (directory / "index.html").exists()):
-        raise OutputError("it holds something else than a gallery", where=directory, mend="choose another folder")
-
-
-def _write(directory: Path, tables: list[ReproducedTable], figures: list[Figure], force: bool) -> None:
-    from ..reproduce.gallery import gallery
-    from ..survey.files import replacing
-
-    with replacing(directory, force=force) as temporary:
-        temporary.mkdir()
-        for name, content in gallery(tables, figures).items():
-            (temporary / name).write_text(content, encoding="utf-8")

@@ -65,7 +65,7 @@ def _run(scenario: str, output: Path, seed: int, force: bool) -> None:
     from ..simulate import Footage, simulate_to
     from ..simulate import simulate as run
     from ..simulate.camera.writing import write_frames
-    from ..survey.files import replacing
+    from ..survey.files import SURVEY_FOLDER, replacing
 
     kind = output_format(output, None)
     lost: list[str] = []
@@ -78,7 +78,7 @@ def _run(scenario: str, output: Path, seed: int, force: bool) -> None:
             survey = run(scenario, seed)
             lost = left_out(survey, kind)
             if kind.key == "folder" and survey.has("frames"):
-                with replacing(output, force=force) as folder:
+                with replacing(output, force=force, own=SURVEY_FOLDER) as folder:
                     write(survey, folder, format=kind.key)
                     write_frames(
                         Footage(scenario, seed),

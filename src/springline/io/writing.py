@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from ..errors import InputError
 from ..survey import save_survey
-from ..survey.files import replacing
+from ..survey.files import SURVEY_FOLDER, replacing
 from . import registry
 
 if TYPE_CHECKING:
@@ -52,7 +52,8 @@ def write(
             where=path,
             mend="choose another format; see: springline formats",
         )
-    with replacing(path, force=force) as temporary:
+    own = SURVEY_FOLDER if kind.key == "folder" else None
+    with replacing(path, force=force, own=own) as temporary:
         function(survey, temporary)
     return path
 

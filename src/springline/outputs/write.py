@@ -7,9 +7,8 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from ..errors import OutputError
 from ..survey import save_survey
-from ..survey.files import replacing
+from ..survey.files import OwnFolder, replacing
 from . import tables
 from .mesh import write_glb
 from .pdf import render_pdf
@@ -26,7 +25,7 @@ if TYPE_CHECKING:
 
     from ..survey import Survey
 
-_OWN = ("summary.json", "stations.csv")
+INSPECTION = OwnFolder.of("an inspection", "summary.json", "stations.csv")
 
 
 def write_outputs(
@@ -59,9 +58,9 @@ def write_outputs(
             the disk refuses.
     """
     directory = Path(directory)
-    _check_replaceable(directory, force)
+    INSPECTION.check(directory, force=force)
     results = Results(survey)
-    with replacing(directory, force=force) as temporary:
+    with replacing(directory, force=force, own=INSPECTION) as temporary:
         temporary.mkdir()
         for name, write in (_writers(results, config_toml) | dict(more or {})).items():
             if progress is not None:
@@ -69,20 +68,6 @@ def write_outputs(
             write(temporary / name)
         names = sorted(path.name for path in temporary.iterdir())
     return [directory / name for name in names]
-
-
-def _check_replaceable(directory: Path, force: bool) -> None:
-    """Refuse to throw away a folder that is not ours, such as a home folder named by mistake."""
-    if not force or not directory.exists():
-        return
-    if not directory.is_dir():
-        raise OutputError("it is a file, not a folder", where=directory, mend="choose another folder")
-    if any(directory.iterdir()) and not all((directory / name).exists() for name in _OWN):
-        raise OutputError(
-            "it holds other files than those of an inspection, and --force would remove them",
-            where=directory,
-            mend="choose another folder",
-        )
 
 
 def _writers(results: Results, config_toml: str) -> dict[str, Callable[[Path], object]]:

@@ -13,7 +13,7 @@ import xarray as xr
 
 from ..errors import ParameterError
 from ..survey import Survey, add_assumption, save_blocks, save_survey
-from ..survey.files import replacing
+from ..survey.files import OwnFolder, replacing
 from .camera import Footage
 from .camera.outlines import outline_blocks
 from .camera.writing import write_frames
@@ -27,6 +27,7 @@ from .truth import pipe_truth, ties
 from .world import World, set_up
 
 _RETURN = 1 << 20
+_FRAMES = OwnFolder("frames", (frozenset({"000001.jpg"}), frozenset({"000001.png"})))
 """What the seed of a way back is above that of the way out."""
 
 Blocks = Iterator[dict[str, xr.Dataset]]
@@ -98,7 +99,7 @@ def simulate_to(
         return _stream(path, world, "frames", force, progress or _silent)
     beside = frames_beside(path)
     share = progress or _silent
-    with replacing(beside, force=force) as folder:
+    with replacing(beside, force=force, own=_FRAMES) as folder:
         write_frames(Footage(world), folder, progress=lambda done: share(0.9 * done))
         return _stream(path, world, beside.name, force, lambda done: share(0.9 + 0.1 * done))
 

@@ -8,6 +8,7 @@ import warnings
 import zipfile
 from collections import Counter
 from contextlib import contextmanager, suppress
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -20,6 +21,7 @@ from .model import Survey
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
+    from contextlib import AbstractContextManager
 
 _RING_CHUNK = 2048
 _DEFAULT_TICK = 1e-5
@@ -42,7 +44,7 @@ def save_survey(survey: Survey, path: str | Path, *, force: bool = False) -> Pat
         OutputError: `path` exists without `force`, or the disk refuses (full, read-only, not permitted).
     """
     path = Path(path)
-    with replacing(path, force=force) as temporary:
+    with replacing_survey(path, force=force) as temporary:
         if path.suffix == ".zip":
             folder = temporary.with_suffix(".folder")
             _write_groups(survey, folder)
@@ -59,15 +61,71 @@ def _pack(folder: Path, archive: Path) -> None:
             bundle.write(file, file.relative_to(folder).as_posix())
 
 
-@contextmanager
-def replacing(path: Path, *, force: bool = False) -> Iterator[Path]:
-    """Yield a temporary sibling of `path` that takes its place when the block succeeds and vanishes when it fails.
+@dataclass(frozen=True)
+class OwnFolder:
+    """A folder that we write, told from others before it is replaced, such as a home folder named by mistake.
 
-    Raises:
-        OutputError: `path` exists without `force`, its folder does not, or the disk refuses.
+    Attributes:
+        what: What it is, for the message.
+        holds: Names by which it is told: all of one of these sets.
+        alone: Whether nothing else may stand in it.
     """
+
+    what: str
+    holds: tuple[frozenset[str], ...]
+    alone: bool = False
+
+    @classmethod
+    def of(cls, what: str, *names: str, alone: bool = False) -> OwnFolder:
+        """Return a folder that is told by one set of names."""
+        return cls(what, (frozenset(names),), alone)
+
+    def check(self, path: Path, *, force: bool) -> None:
+        """Refuse what stands at `path` without `force`, and with it what is no such folder.
+
+        Raises:
+            OutputError: As said.
+        """
+        _refuse_existing(path, force)
+        if not path.exists():
+            return
+        if not path.is_dir():
+            raise OutputError("it is a file, not a folder", where=path, mend="choose another folder")
+        there = {one.name for one in path.iterdir()}
+        if there and not any(there == own if self.alone else there >= own for own in self.holds):
+            raise OutputError(
+                f"it holds other files than those of {self.what}, and --force would remove them",
+                where=path,
+                mend="choose another folder",
+            )
+
+
+SURVEY_FOLDER = OwnFolder("a survey", (frozenset({"zarr.json"}), frozenset({".zgroup"}), frozenset({"survey.toml"})))
+
+
+def _refuse_existing(path: Path, force: bool) -> None:
     if path.exists() and not force:
         raise OutputError("it exists already", where=path, mend="choose another name or pass --force")
+
+
+@contextmanager
+def replacing(path: Path, *, force: bool = False, own: OwnFolder | None = None) -> Iterator[Path]:
+    """Yield a temporary sibling of `path` that takes its place when the block succeeds and vanishes when it fails.
+
+    Args:
+        path: Where to write.
+        force: Replace what stands there.
+        own: The folder that is written; a file when not given.
+
+    Raises:
+        OutputError: `path` exists without `force`, or is not such a folder or file; or the disk refuses.
+    """
+    if own is not None:
+        own.check(path, force=force)
+    else:
+        _refuse_existing(path, force)
+        if path.is_dir():
+            raise OutputError("it is a folder, not a file", where=path, mend="choose another name")
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
         holder = Path(tempfile.mkdtemp(prefix=f".{path.name}-", dir=path.parent))
@@ -93,6 +151,11 @@ def replacing(path: Path, *, force: bool = False) -> Iterator[Path]:
         ) from error
     finally:
         shutil.rmtree(holder, ignore_errors=True)
+
+
+def replacing_survey(path: Path, *, force: bool) -> AbstractContextManager[Path]:
+    """Return `replacing` for a zarr folder, or for one file when `path` ends in `.zip`."""
+    return replacing(path, force=force, own=None if path.suffix == ".zip" else SURVEY_FOLDER)
 
 
 def _write_groups(survey: Survey, store: Path) -> None:

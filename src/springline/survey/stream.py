@@ -6,7 +6,7 @@ import warnings
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from .files import _pack, _write_groups, replacing
+from .files import _pack, _write_groups, replacing_survey
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -36,7 +36,7 @@ def save_blocks(
     import zarr
 
     path = Path(path)
-    with replacing(path, force=force) as temporary:
+    with replacing_survey(path, force=force) as temporary:
         folder = temporary.with_suffix(".folder") if path.suffix == ".zip" else temporary
         _write_groups(first, folder)
         for block in blocks:

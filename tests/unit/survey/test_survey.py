@@ -137,6 +137,17 @@ def test_existing_output_is_refused_without_force(survey, tmp_path):
     assert [p.name for p in tmp_path.iterdir()] == ["s.zarr"]
 
 
+@pytest.mark.parametrize("name", ["home", "home.zarr", "home.pacp", "home.zarr.zip", "home.csv"])
+def test_a_folder_that_is_not_ours_is_never_replaced(survey, tmp_path, name):
+    home = tmp_path / name
+    home.mkdir()
+    (home / "thesis.txt").write_text("years of work")
+    with pytest.raises(OutputError, match=r"other files than those of|a folder, not a file"):
+        sl.write(survey, home, force=True)
+    assert (home / "thesis.txt").read_text() == "years of work"
+    assert [p.name for p in tmp_path.iterdir()] == [name]
+
+
 def test_a_full_disk_leaves_nothing_behind_and_the_old_result_in_place(survey, tmp_path, monkeypatch):
     path = tmp_path / "s.zarr.zip"
     save_survey(survey, path)

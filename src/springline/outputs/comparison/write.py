@@ -6,8 +6,7 @@ import json
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from ...errors import OutputError
-from ...survey.files import replacing
+from ...survey.files import OwnFolder, replacing
 from ..tables import write_csv
 from ..viewer import compared, render_viewer
 from . import tables
@@ -20,7 +19,9 @@ if TYPE_CHECKING:
     from ...compare.pair import Comparison
     from ...compare.series import Series, Trend
 
-_OWN = {"summary.json", "changes.csv"}, {"summary.json", "station_trends.csv"}
+_COMPARISON = OwnFolder(
+    "a comparison", (frozenset({"summary.json", "changes.csv"}), frozenset({"summary.json", "station_trends.csv"}))
+)
 
 
 def write_comparison(found: Comparison, directory: str | Path, *, force: bool = False) -> list[Path]:
@@ -40,7 +41,7 @@ def write_comparison(found: Comparison, directory: str | Path, *, force: bool = 
     """
     directory = Path(directory)
     check_replaceable(directory, force=force)
-    with replacing(directory, force=force) as temporary:
+    with replacing(directory, force=force, own=_COMPARISON) as temporary:
         _write(found, temporary)
         names = sorted(path.name for path in temporary.iterdir())
     return [directory / name for name in names]
@@ -71,7 +72,7 @@ def write_series(found: Series, directory: str | Path, *, force: bool = False) -
     """
     directory = Path(directory)
     check_replaceable(directory, force=force)
-    with replacing(directory, force=force) as temporary:
+    with replacing(directory, force=force, own=_COMPARISON) as temporary:
         temporary.mkdir()
         _json(series_summary(found), temporary / "summary.json")
         for name, trends in _trends(found).items():
@@ -96,19 +97,7 @@ def check_replaceable(directory: Path, *, force: bool) -> None:
     Raises:
         OutputError: As said.
     """
-    if not directory.exists():
-        return
-    if not force:
-        raise OutputError("it exists already", where=directory, mend="choose another folder or pass --force")
-    if not directory.is_dir():
-        raise OutputError("it is a file, not a folder", where=directory, mend="choose another folder")
-    there = {path.name for path in directory.iterdir()}
-    if there and not any(own <= there for own in _OWN):
-        raise OutputError(
-            "it holds other files than those of a comparison, and --force would remove them",
-            where=directory,
-            mend="choose another folder",
-        )
+    _COMPARISON.check(directory, force=force)
 
 
 def _json(content: dict[str, Any], path: Path) -> None:

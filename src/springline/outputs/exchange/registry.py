@@ -26,6 +26,7 @@ class Export:
         holds: What of the results is in it, for people.
         writer: "module:function" in this package.
         extra: Optional dependency that it needs, or None.
+        folder: The file by which the folder that it writes is told; empty where it writes a file.
     """
 
     key: str
@@ -34,6 +35,7 @@ class Export:
     holds: str
     writer: str
     extra: str | None = None
+    folder: str = ""
 
     @property
     def libraries(self) -> tuple[str, ...]:
@@ -72,7 +74,7 @@ EXPORTS = {
         Export("en13508", "EN 13508-2 exchange text", (".en13508.txt",), "features or observations",
                "en13508:write_en13508"),
         Export("pacp", "folder of CSV tables with the columns of PACP 6: a mapping, not the certified database",
-               (".pacp",), "features or observations", "pacp:write_pacp"),
+               (".pacp",), "features or observations", "pacp:write_pacp", folder="Conditions.csv"),
         Export("reach-csv", "one row per reach: least, mean and largest height, width, inner perimeter, ovality",
                (".reach.csv",), "profile measures", "tables:write_reach"),
         Export("fdot-430", "FDOT Section 430 laser profile table [ft, in]", (".fdot-430.csv",),

@@ -9,7 +9,7 @@ from ...errors import InputError, MissingExtraError, nearest
 from ...io.registry import FORMATS
 from ...io.registry import by_key as format_by_key
 from ...io.writing import write as write_survey
-from ...survey.files import replacing
+from ...survey.files import OwnFolder, replacing
 from .registry import EXPORTS, Export
 
 if TYPE_CHECKING:
@@ -49,7 +49,8 @@ def write(
     if export is None:
         return write_survey(survey, path, format=format, force=force)
     function = export.write_function()
-    with replacing(path, force=force) as temporary:
+    own = OwnFolder.of(f"an export to {export.key}", export.folder) if export.folder else None
+    with replacing(path, force=force, own=own) as temporary:
         try:
             function(survey, temporary)
         except ModuleNotFoundError as error:

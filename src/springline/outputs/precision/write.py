@@ -8,7 +8,7 @@ import math
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ...survey.files import replacing
+from ...survey.files import OwnFolder, replacing
 from ..html import environment
 from .chart import consistency_chart
 
@@ -17,6 +17,8 @@ if TYPE_CHECKING:
 
     from ...calibration import PrecisionStudy
     from ...calibration.verdicts import PrecisionVerdict
+
+STUDY = OwnFolder.of("a precision study", "precision.csv", "study.json")
 
 _HERE = Path(__file__).parent
 _MM = 1e3
@@ -101,7 +103,7 @@ def write_study(
         OutputError: The folder exists without `force`, or the disk refuses.
     """
     values = study_values(study, verdicts)
-    with replacing(directory, force=force) as temporary:
+    with replacing(directory, force=force, own=STUDY) as temporary:
         temporary.mkdir()
         _table(values["materials"], temporary / "precision.csv")
         _table(values["cells"], temporary / "cells.csv")
