@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -22,6 +22,13 @@ class Seen:
     features: FeatureList
     identity: np.ndarray
     counter: Callable[[np.ndarray], np.ndarray]
+
+    def between(self, first: float, last: float) -> Seen:
+        """Return what an inspection of that part [m] alone would have seen, its counter at 0 in `first`."""
+        x = self.features.chainage
+        part = self.features.between(first, last)
+        moved = replace(part, chainage=part.chainage - first, extent=tuple(end - first for end in part.extent))
+        return Seen(moved, self.identity[(x >= first) & (x <= last)], lambda v: self.counter(v) - first)
 
 
 def pipe(rng: np.random.Generator, length: float, lateral_every: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

@@ -97,6 +97,69 @@ def test_plain_headings_are_known(lists, tmp_path):
     assert json.loads((out / "summary.json").read_text())["pairs"] == 30
 
 
+def test_a_tally_as_vendors_send_it(tmp_path):
+    """Titles above the heading, on the second sheet; clocks in hours and minutes; feet in the heading; empty rows."""
+    pd = pytest.importorskip("pandas")
+    pytest.importorskip("openpyxl")
+    rng = np.random.default_rng(4)
+    weld = np.cumsum(rng.choice([40.1, 39.2, 37.5], 60) + rng.normal(0.0, 0.4, 60))
+    for name, scale in (("a", 1.0), ("b", 1.002)):
+        rows = [[10 * (n + 1), w, "Girth Weld", ""] for n, w in enumerate(weld * scale)]
+        rows += [[10 * (n + 1), weld[n] * scale + 7.3, "Tee", f"{n % 12:02d}:30"] for n in range(4, 60, 9)]
+        rows += [[10 * (n + 1), weld[n] * scale + 9.1, "Metal Loss", "05:10"] for n in range(2, 60, 7)]
+        rows = [*sorted(rows, key=lambda row: row[1]), ["", "", "", ""]]
+        heading = ["Joint No.", "Log Dist. [ft]", "Event", "O'clock"]
+        with pd.ExcelWriter(tmp_path / f"{name}.xlsx") as book:
+            pd.DataFrame([["Final report"]]).to_excel(book, sheet_name="Cover", index=False, header=False)
+            sheet = pd.DataFrame([["Tally", "", "", ""], ["", "", "", ""], heading, *rows])
+            sheet.to_excel(book, sheet_name="Tally", index=False, header=False)
+    mapped = (
+        "--columns",
+        "chainage=Log Dist. [ft],kind=Event,clock=O'clock",
+        "--kinds",
+        "Girth Weld=joint,Tee=lateral",
+    )
+    assert run(tmp_path / "a.xlsx", tmp_path / "b.xlsx", *mapped, "-o", tmp_path / "out")[0] == 0
+    summary = json.loads((tmp_path / "out" / "summary.json").read_text())
+    assert summary["pairs"] >= 64
+    assert summary["length_a_m"] == pytest.approx((weld[-1] - weld[0]) * 0.3048, rel=1e-3)
+
+
+def test_rows_that_repeat_another_are_told_and_read_once(lists, tmp_path):
+    head, *rows = (lists / "a.csv").read_text().splitlines()
+    (tmp_path / "twice.csv").write_text("\n".join([head, *(row for row in rows for _ in range(2))]) + "\n")
+    code, out, _ = run(tmp_path / "twice.csv", lists / "b.csv", "-o", tmp_path / "out")
+    assert code == 0
+    assert "30 rows that repeat another are read once" in out
+    summary = json.loads((tmp_path / "out" / "summary.json").read_text())
+    assert summary["pairs"] == 30
+    assert summary["unclear"] == 0
+
+
+def test_semicolons_and_decimal_commas(lists, tmp_path):
+    text = (lists / "a.csv").read_text().replace(",", ";").replace(".", ",")
+    (tmp_path / "comma.csv").write_text(text)
+    assert run(tmp_path / "comma.csv", lists / "b.csv", "-o", tmp_path / "out")[0] == 0
+    summary = json.loads((tmp_path / "out" / "summary.json").read_text())
+    assert summary["pairs"] == 30
+    x = [float(row.split(",")[0]) for row in (lists / "a.csv").read_text().splitlines()[1:]]
+    assert summary["length_a_m"] == pytest.approx(x[-1] - x[0], abs=1e-3)
+
+
+def test_one_list_against_many_tells_which_fit(lists, tmp_path):
+    rng = np.random.default_rng(9)
+    places, clocks = np.sort(rng.uniform(0, 200, 30)), rng.uniform(1, 12, 30)
+    rows = [f"{u:.3f},lateral,{h:.2f},100" for u, h in zip(places, clocks, strict=True)]
+    (tmp_path / "other.csv").write_text("chainage_m,kind,clock_h,size_mm\n" + "\n".join(rows) + "\n")
+    code, out, _ = run(lists / "a.csv", tmp_path / "other.csv", lists / "b.csv", "-o", tmp_path / "out")
+    assert code == 0
+    assert "other.csv is left out: the features do not show" in out
+    assert "b.csv: driven from the same end, features in both 30" in out
+    code, _, told = run(tmp_path / "other.csv", lists / "a.csv", lists / "b.csv", "-o", tmp_path / "none")
+    assert code == 2
+    assert "none of the inspections could be compared with the first" in told
+
+
 BAD = {
     "zero.csv": ("", "the file is empty"),
     "empty.csv": ("chainage_m,kind\n", "it has no rows"),
@@ -104,6 +167,9 @@ BAD = {
     "unsorted.csv": ("chainage_m,kind\n5,joint\n1,joint\n7,joint\n", "Sort the list by chainage"),
     "columns.csv": ("foo,bar\n1,2\n", "its columns are not known"),
     "kind.csv": ("chainage_m,kind\n1,joint\n3,jiont\n", "did you mean 'joint'"),
+    "place.csv": ("chainage_m,kind\n4,joint\n4,lateral\n", "its 2 features all stand at 4 m"),
+    "clock.csv": ("chainage_m,kind,clock_h\n1,lateral,270\n3,lateral,90\n", "row 1 of the table, column clock_h"),
+    "blank.csv": ("chainage_m,kind\n,\n,\n", "it has no rows"),
     "text.csv": ("chainage_m,kind\n1,joint\nthree,joint\n", "row 2 of the table, column chainage_m"),
 }
 

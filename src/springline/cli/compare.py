@@ -177,8 +177,12 @@ def _tell(found: Comparison, summary: dict[str, Any], output: Path) -> None:
 def _tell_series(found: Series, output: Path) -> None:
     trends = (*found.stations, *found.patches, *found.features)
     told = sum(t.significant for t in trends)
-    typer.echo(
-        f"{found.epochs[0].name}: {len(found.epochs)} inspections, {sum(map(bool, found.pairs))} placed on the first\n"
-        f"  trends told      {told} of {len(trends)}\n"
-        f"  report           {output / 'report.html'}"
-    )
+    lines = [
+        f"{found.epochs[0].name}: {len(found.epochs)} inspections, {sum(map(bool, found.pairs))} placed on the first"
+    ]
+    for pair in filter(None, found.pairs):
+        ends = "the other end" if pair.placed.reversed else "the same end"
+        both = 0 if pair.paired is None else len(pair.paired.index_a)
+        lines.append(f"  {pair.b.name}: driven from {ends}, features in both {both}")
+    lines += [f"  trends told      {told} of {len(trends)}", f"  report           {output / 'report.html'}"]
+    typer.echo("\n".join(lines))

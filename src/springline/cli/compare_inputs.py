@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+import sys
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -24,6 +26,9 @@ _OWN_KINDS = {
 }  # fmt: skip
 _PACP = ("InspectionID", "Inspection_ID"), ("PACP_Code", "Code")
 _SHOWN = 8
+_HEADING_UNIT = re.compile(r"(?:^|[\s\[(_,])(mm|cm|m|in|ft)[\])]?$", re.IGNORECASE)
+_DECIMAL_COMMA = re.compile(r"\s*[-+]?\d+,\d+\s*")
+_HEADING_ROWS = 30  # of an Excel sheet, above which titles may stand
 
 
 @dataclass(frozen=True)
@@ -65,6 +70,8 @@ def read_epoch(path: Path, given: ListOptions) -> tuple[Epoch, bool]:
         raise InputError("no such file or folder", where=path)
     if path.suffix.lower() in _TABLES and not _rings(path, given):
         listed, coded = _listed(path, number, given)
+        if listed.repeated:
+            sys.stderr.write(f"note: {listed.name}: {listed.repeated} rows that repeat another are read once\n")
         return Epoch(listed.name, listed=listed), coded
     return _surveyed(path), False
 
@@ -109,7 +116,7 @@ def _surveyed(path: Path) -> Epoch:
 def _listed(path: Path, number: str, given: ListOptions) -> tuple[FeatureList, bool]:
     from ..compare import column_features, pacp_features
 
-    table = _table(path)
+    table = _table(path, given)
     if not len(table):
         raise InputError("it has no rows", where=path, expected="a heading and one row per feature")
     common: dict[str, Any] = {"sort": given.sort}
@@ -119,7 +126,6 @@ def _listed(path: Path, number: str, given: ListOptions) -> tuple[FeatureList, b
         units = {"length_unit": given.unit or "ft", "size_unit": given.size_unit or "in"}
         name = f"{path.name}@{number}"
         return pacp_features(table, number, name=name, **units, **common), True
-    units = {"length_unit": given.unit or "m", "size_unit": given.size_unit or "mm"}
     columns, kinds = given.columns, given.kinds or None
     if not columns:
         headings = {str(c).strip().lower(): c for c in reversed(table.columns)}
@@ -136,7 +142,21 @@ def _listed(path: Path, number: str, given: ListOptions) -> tuple[FeatureList, b
                 + ", ".join(map(str, table.columns)),
                 mend='name them, as in --columns "chainage=Log distance,clock=o\'clock"',
             )
+    units = {
+        "length_unit": given.unit or _unit_of(columns.get("chainage", "")) or "m",
+        "size_unit": given.size_unit or _unit_of(columns.get("size", "")) or "mm",
+    }
     return column_features(table, columns, kinds=kinds, kind=given.kind, name=path.name, **units, **common), False
+
+
+def _unit_of(heading: str) -> str:
+    """Return the unit that ends a heading, as in "Log Dist. [ft]" or "size_mm"; empty when it names none.
+
+    >>> _unit_of("Log Dist. [ft]"), _unit_of("Station (M)"), _unit_of("chainage")
+    ('ft', 'm', '')
+    """
+    found = _HEADING_UNIT.search(str(heading).strip())
+    return found[1].lower() if found else ""
 
 
 def _only(table: Any, column: str, path: Path) -> str:
@@ -152,21 +172,57 @@ def _only(table: Any, column: str, path: Path) -> str:
     return there[0]
 
 
-def _table(path: Path) -> Any:
-    import pandas as pd
-
+def _table(path: Path, given: ListOptions) -> Any:
+    """Return a table of text, without its empty rows."""
     if not path.stat().st_size:
         raise InputError("the file is empty", where=path, expected="a heading and one row per feature")
     try:
-        if path.suffix.lower() == ".csv":
-            return pd.read_csv(path, dtype=str, keep_default_na=False, sep=None, engine="python", encoding="utf-8-sig")
-        return pd.read_excel(path, dtype=str, keep_default_na=False)
+        table = _csv(path) if path.suffix.lower() == ".csv" else _sheet(path, given)
     except ImportError as error:
         raise MissingExtraError.of("excel", "reading Excel tables") from error
     except Exception as error:
         raise FormatError(
             f"it cannot be read as a table: {error}", where=path, expected="CSV with a heading, or an Excel sheet"
         ) from error
+    return table[(table.map(str.strip) != "").any(axis=1)]
+
+
+def _csv(path: Path) -> Any:
+    """Return a CSV; one between semicolons may write its decimals with a comma."""
+    import pandas as pd
+
+    text = {"dtype": str, "keep_default_na": False, "encoding": "utf-8-sig"}
+    with path.open(encoding="utf-8-sig", errors="replace") as stream:
+        heading = stream.readline()
+    if ";" not in heading:
+        return pd.read_csv(path, sep=None, engine="python", **text)
+    table = pd.read_csv(path, sep=";", **text)
+    return table.map(lambda cell: cell.replace(",", ".") if _DECIMAL_COMMA.fullmatch(cell) else cell)
+
+
+def _sheet(path: Path, given: ListOptions) -> Any:
+    """Return the first sheet of a workbook that has the headings asked for, below any title; else its first sheet."""
+    import pandas as pd
+
+    sheets = pd.read_excel(path, dtype=str, keep_default_na=False, header=None, sheet_name=None)
+    for cells in sheets.values():
+        for row in range(min(_HEADING_ROWS, len(cells))):
+            if _is_heading([str(cell).strip() for cell in cells.iloc[row]], given):
+                return _below(cells, row)
+    return _below(next(iter(sheets.values())), 0)
+
+
+def _is_heading(cells: list[str], given: ListOptions) -> bool:
+    if given.columns:
+        return set(given.columns.values()) <= set(cells)
+    lower = {cell.lower() for cell in cells}
+    return any(name in lower for name in _OWN["chainage"]) or all(any(c in cells for c in names) for names in _PACP)
+
+
+def _below(cells: Any, row: int) -> Any:
+    """Return the rows of a sheet below its heading."""
+    table = cells.iloc[row + 1 :] if len(cells) else cells
+    return table.set_axis([str(cell).strip() for cell in cells.iloc[row]] if len(cells) else [], axis=1)
 
 
 def pairs_of(text: str | None, flag: str) -> dict[str, str]:

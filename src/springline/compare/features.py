@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -29,6 +29,7 @@ class FeatureList:
         size: (n,) along the wall [m]; NaN = not given.
         extent: First and last chainage inspected [m].
         name: What messages call the list.
+        repeated: How many entries repeated another and were taken once.
     """
 
     chainage: np.ndarray
@@ -37,6 +38,7 @@ class FeatureList:
     size: np.ndarray
     extent: tuple[float, float]
     name: str
+    repeated: int = 0
 
     def __len__(self) -> int:
         return len(self.chainage)
@@ -65,22 +67,32 @@ class FeatureList:
             name=self.name,
         )
 
-    def until(self, chainage: float) -> FeatureList:
-        """Return the part up to `chainage` [m]."""
-        part = self.take(self.chainage <= chainage)
-        return FeatureList(
-            part.chainage,
-            part.kind,
-            part.bearing,
-            part.size,
-            (self.extent[0], min(chainage, self.extent[1])),
-            self.name,
-        )
+    def between(self, first: float, last: float) -> FeatureList:
+        """Return the part from chainage `first` to `last` [m], as far as it was inspected."""
+        part = self.take((self.chainage >= first) & (self.chainage <= last))
+        return replace(part, extent=(max(self.extent[0], first), min(self.extent[1], last)))
 
     def take(self, index: ArrayLike) -> FeatureList:
         """Return the features at `index` (indices or a mask), with the same extent."""
         parts = (self.chainage[index], self.kind[index], self.bearing[index], self.size[index])
         return FeatureList(*parts, self.extent, self.name)
+
+    def first_of_each(self) -> np.ndarray:
+        """Return the indices (k,) of the features that repeat no earlier one in place, kind, bearing and size.
+
+        >>> feature_list([0.0, 4.0, 4.0, 4.0], ["joint", "joint", "lateral", "joint"]).first_of_each().tolist()
+        [0, 1, 2]
+        """
+        unknown = -1.0  # one that no bearing and no size has, as NaN differs from itself
+        table = np.column_stack(
+            (self.chainage, self.kind, *(np.nan_to_num(v, nan=unknown) for v in (self.bearing, self.size)))
+        )
+        return np.sort(np.unique(table, axis=0, return_index=True)[1])
+
+    def once(self) -> FeatureList:
+        """Return the list with features that repeat another in place, kind, bearing and size taken once."""
+        kept = self.take(self.first_of_each())
+        return replace(kept, repeated=len(self) - len(kept))
 
 
 def feature_list(
@@ -104,7 +116,7 @@ def feature_list(
 
     Raises:
         InputError: The list is empty or not in order of chainage, a chainage is not finite, a kind is unknown, the
-            arrays differ in length, or the extent does not hold the features.
+            arrays differ in length, a bearing or a size is infinite, or the extent does not hold the features.
 
     >>> len(feature_list([0.0, 2.5, 5.0], "joint"))
     3
@@ -112,7 +124,7 @@ def feature_list(
     Traceback (most recent call last):
     springline.errors.InputError: B, feature 2: chainage 2.5 m comes after 5 m; expected chainages that never fall. ...
     """
-    x = np.atleast_1d(np.asarray(chainage, dtype=np.float64))
+    x = _numbers(chainage, "chainage", name)
     if x.ndim != 1 or not x.size:
         raise InputError(
             "there is no feature in it",
@@ -121,7 +133,7 @@ def feature_list(
             mend="check the column map and which codes are kept",
         )
     kinds = _kinds(kind, x.size, name)
-    theta, extent_size = (_column(v, x.size, what, name) for v, what in ((bearing, "bearing"), (size, "size")))
+    theta, extent_size = (_measured(v, x.size, what, name) for v, what in ((bearing, "bearing"), (size, "size")))
     bad = np.flatnonzero(~np.isfinite(x))
     if bad.size:
         raise InputError(
@@ -140,9 +152,11 @@ def feature_list(
             mend="sort the list by chainage; if the counter was reset on the way, split it there",
         )
     low, high = (float(x[0]), float(x[-1])) if extent is None else (float(extent[0]), float(extent[1]))
-    if not (low <= x[0] and x[-1] <= high):
+    if not (-np.inf < low <= x[0] and x[-1] <= high < np.inf):
         raise InputError(
-            f"the extent {low:g} to {high:g} m does not hold the features at {x[0]:g} to {x[-1]:g} m", where=name
+            f"the extent {low:g} to {high:g} m does not hold the features at {x[0]:g} to {x[-1]:g} m",
+            where=name,
+            expected="the first and the last chainage inspected",
         )
     return FeatureList(x, kinds, np.mod(theta, 2 * np.pi), extent_size, (low, high), name)
 
@@ -158,6 +172,25 @@ def _kinds(kind: ArrayLike, n: int, name: str) -> np.ndarray:
                 expected="one of " + ", ".join(KINDS),
             )
     return _column([index[word] for word in words], n, "kind", name, dtype=np.int64)
+
+
+def _numbers(values: ArrayLike, what: str, name: str) -> np.ndarray:
+    try:
+        return np.atleast_1d(np.asarray(values, dtype=np.float64))
+    except (TypeError, ValueError):
+        raise InputError(f"{what} holds something else than numbers", where=name, expected="numbers") from None
+
+
+def _measured(values: ArrayLike, n: int, what: str, name: str) -> np.ndarray:
+    column = _column(_numbers(values, what, name), n, what, name)
+    if np.isinf(column).any():
+        i = int(np.flatnonzero(np.isinf(column))[0])
+        raise InputError(
+            f"the {what} is infinite",
+            where=f"{name}, feature {i + 1}",
+            expected="a number, or NaN where it is not known",
+        )
+    return column
 
 
 def _column(values: ArrayLike, n: int, what: str, name: str, dtype: type = np.float64) -> np.ndarray:

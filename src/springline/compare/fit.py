@@ -39,11 +39,13 @@ class Sense:
         a: Features of A; those of the sense are joined by its unseen joints.
         b: Features of B, mirrored already when that is the sense looked at.
         options: Priors.
+        shift: Chainage in B less that in A of equal starts [m]; from the extents when None.
     """
 
-    def __init__(self, a: FeatureList, b: FeatureList, options: MatchOptions) -> None:
+    def __init__(self, a: FeatureList, b: FeatureList, options: MatchOptions, shift: float | None = None) -> None:
         self.laid = laid(a)
         self.a, self.b, self.options = self.laid.features, b, options
+        self.shift = b.extent[0] - a.extent[0] if shift is None else shift
         self.like = likeness(self.a, b, options)
         self.extent = np.array(b.extent)
         self._weighed: tuple[bytes, Weights] | None = None
@@ -53,10 +55,14 @@ class Sense:
         self.start = State(1.0, options.noise, options.walk, np.array([options.shared[k] for k in KINDS]))
 
     def grid(self, noise: float) -> Grid:
-        """Return the grid of drift that resolves `noise` [m]."""
-        step = max(_CELL * np.sqrt(2.0) * noise, 2.0 * self.limit / _MOST_CELLS)
-        shift = self.b.extent[0] - self.a.extent[0]
-        return Grid(shift - self.limit, step, int(2.0 * self.limit / step) + 1)
+        """Return the grid of drift that resolves `noise` [m], as far as it can."""
+        step = max(cell(noise), 2.0 * self.limit / _MOST_CELLS)
+        return Grid(self.shift - self.limit, step, int(2.0 * self.limit / step) + 1)
+
+    @property
+    def coarse_grid(self) -> bool:
+        """Whether the starts may lie too far apart for a grid that resolves the noise."""
+        return 2.0 * self.limit / _MOST_CELLS > cell(self.options.noise)
 
     def scaled(self, scale: float) -> np.ndarray:
         """Return A's chainages (n,) [m] at an odometer scale."""
@@ -69,13 +75,12 @@ class Sense:
             self._weighed = key, weigh(self.like, self.a, self.b, shared)
         return self._weighed[1]
 
-    def _ends(self, weights: Weights, u: np.ndarray, grid: Grid, reach: float) -> tuple[np.ndarray, np.ndarray, float]:
-        offset = (grid.drift - self.b.extent[0] + self.a.extent[0]) / self.options.offset_scale
+    def _ends(self, weights: Weights, u: np.ndarray, grid: Grid, reach: float) -> tuple[np.ndarray, np.ndarray]:
+        """Return the log weights (cells,) of each drift at the first and at the last feature."""
+        offset = (grid.drift - self.shift) / self.options.offset_scale
         begin = -np.log1p(offset**2) - weights.stretch(self.b, u[0] + grid.drift - reach)
         finish = weights.stretch(self.b, u[-1] + grid.drift + reach)
-        tops = begin.max(), finish.max()
-        norm = np.log(np.pi * self.options.offset_scale / grid.step)
-        return np.exp(begin - tops[0]), np.exp(finish - tops[1]), float(sum(tops)) - norm
+        return begin - np.log(np.pi * self.options.offset_scale / grid.step), finish
 
     def telling(self, state: State) -> float:
         """Return how well spacing alone tells a joint from the next: 1 = noise is nothing beside it, 0 = not at all."""
@@ -94,12 +99,16 @@ class Sense:
             sigma[self.a.kind == JOINT] = plain / np.sqrt(max(self.telling(state), _LEAST_POWER))
         return np.sqrt(sigma**2 + self.laid.variance)
 
-    def _forward(self, state: State, grid: Grid, keep: bool) -> tuple:
+    def _forward(self, state: State, grid: Grid, keep: bool, far: bool = False) -> tuple:
         u = self.scaled(state.scale)
         weights = self._weights(state.shared)
         o = self.options
         sigma = self._sigma(state, grid)
-        start, end, top = self._ends(weights, u, grid, _END_REACH * float(sigma.min()))
+        begin, finish = self._ends(weights, u, grid, _END_REACH * float(sigma.min()))
+        if far:  # what both ends weigh differs by more than floats hold; the drift hardly moves from one to the other
+            begin, finish = begin + finish, np.zeros_like(finish)
+        top = begin.max() + finish.max()
+        start, end = np.exp(begin - begin.max()), np.exp(finish - finish.max())
         motion = (state.walk, o.slip_rate, o.slip_scale)
         found, alpha, seen = chain.forward(
             u, weights.shared, self.b.chainage, weights.pairs, self.extent, sigma, *motion, grid.low, grid.step,
@@ -110,6 +119,16 @@ class Sense:
     def evidence(self, state: State, grid: Grid | None = None) -> float:
         """Return the log of the likelihood ratio of this state to two pipes with independent features."""
         return self._forward(state, grid or self.grid(state.noise), False)[0]
+
+    def last(self, state: State, grid: Grid) -> tuple[float, np.ndarray]:
+        """Return the log evidence of a state and the posterior (cells,) of the drift at the last feature.
+
+        Args:
+            state: What is assumed.
+            grid: Of drift, of any width.
+        """
+        log_evidence, _, alpha, *_ = self._forward(state, grid, True, far=True)
+        return log_evidence, alpha[-1].astype(np.float64)
 
     def prior(self, state: State) -> float:
         """Return the log prior of noise, walk, scale and shared fractions, 0 at its top."""
@@ -147,22 +166,25 @@ class Sense:
         at = passes.u[:, None] + passes.grid.drift[None, :]
         return (at >= self.extent[0]) & (at <= self.extent[1])
 
-    def _scale_step(self) -> float:
+    def _scale_step(self, state: State | None = None) -> float:
         """Step of scales that the walk and the noise can bridge from end to end."""
-        o = self.options
+        noise, walk = (self.options.noise, self.options.walk) if state is None else (state.noise, state.walk)
         length = max(self.a.length, 1.0)
-        bridge = np.sqrt(2.0) * (o.noise + o.walk * np.sqrt(length)) / length
-        return float(np.clip(bridge, _FINEST_SCALE, 0.3 * o.scale_sigma))
+        bridge = np.sqrt(2.0) * (noise + walk * np.sqrt(length)) / length
+        return float(np.clip(bridge, _FINEST_SCALE, 0.3 * self.options.scale_sigma))
+
+    def scales(self, state: State | None = None) -> np.ndarray:
+        """Return odometer scales (k,) all over their prior, as dense as noise and walk of a state ask for."""
+        step = 2.0 * self._scale_step(state)
+        reach = int(3.2 * self.options.scale_sigma / step)
+        return 1.0 + step * np.arange(-reach, reach + 1)
 
     def coarse(self, within: tuple[np.ndarray, np.ndarray] | None = None) -> tuple[np.ndarray, np.ndarray]:
         """Return the odometer scales (k,) worth a closer look, and the log evidence of each (k,) with a wide noise.
 
         All over the prior, or near those `within`, as the head of the lists gave them.
         """
-        o = self.options
-        step = 2.0 * self._scale_step()
-        reach = int(3.2 * o.scale_sigma / step)
-        scales = 1.0 + step * np.arange(-reach, reach + 1)
+        scales, step = self.scales(), 2.0 * self._scale_step()
         if within is not None:
             apart = np.abs(scales[:, None] - within[0][None, :]).min(axis=1)
             scales = scales[apart <= np.diff(within[0], append=within[0][-1] + step).max() + 1e-9]
@@ -178,10 +200,10 @@ class Sense:
         """Return the sense of the first stretch of long lists; None when they are short."""
         if min(self.a.length, self.b.length) < 3.0 * _HEAD:
             return None
-        parts = (f.until(f.extent[0] + _HEAD) for f in (self.a.take(self.laid.seen), self.b))
+        parts = (f.between(f.extent[0], f.extent[0] + _HEAD) for f in (self.a.take(self.laid.seen), self.b))
         a, b = parts
         options = replace(self.options, offset_limit=self.limit)
-        return Sense(a, b, options) if min(len(a), len(b)) > 1 else None
+        return Sense(a, b, options, self.shift) if min(len(a), len(b)) > 1 else None
 
     def over(self, scales: np.ndarray, state: State) -> np.ndarray:
         """Return the log evidence with the priors (k,) at each of the `scales`."""
@@ -248,6 +270,11 @@ class Sense:
         log_prior = np.log(width / (np.sqrt(2 * np.pi) * self.options.scale_sigma))
         state = replace(state, tempered=True)
         return Fit(state, scales, self.over(scales, state) + log_prior)
+
+
+def cell(noise: float) -> float:
+    """Return the step of a grid of drift [m] that resolves `noise` [m]."""
+    return float(_CELL * np.sqrt(2.0) * noise)
 
 
 @dataclass(frozen=True)

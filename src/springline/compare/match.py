@@ -2,31 +2,34 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ..errors import InputError
+from .alignment import align
 from .features import JOINT, KINDS
-from .fit import Sense
 from .options import MatchOptions
-from .placing import Placed, place
+from .placing import place
 from .result import Drift, Match, Pairs, Span
-from .rival import another_pipe
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from .alignment import Judged
     from .features import FeatureList
-    from .fit import Fit
+    from .fit import Fit, Sense
+    from .placing import Placed
 
 _FEWEST = 2
-_HOPELESS = 60.0
 _TELLING = 0.88
 
 
 def match(a: FeatureList, b: FeatureList, options: MatchOptions | None = None) -> Match:
     """Return which features of `b` are which of `a`, and where every chainage of `a` lies in `b`.
+
+    Features that repeat another of their list in place, kind, bearing and size are paired once.
 
     Args:
         a: Features of the first inspection.
@@ -35,7 +38,7 @@ def match(a: FeatureList, b: FeatureList, options: MatchOptions | None = None) -
             observations coded by eye.
 
     Raises:
-        InputError: A list has fewer than two features.
+        InputError: A list has fewer than two features, or all of them at one place.
 
     Source: docs/compare.md. Forward-backward passes: L. R. Rabiner, Proc. IEEE 77 (1989) 257-286.
 
@@ -50,65 +53,39 @@ def match(a: FeatureList, b: FeatureList, options: MatchOptions | None = None) -
     (True, 7)
     """
     options = options or MatchOptions()
+    index_a, index_b = a.first_of_each(), b.first_of_each()
     for one in (a, b):
-        if len(one) < _FEWEST:
-            raise InputError(
-                "it holds a single feature",
-                where=one.name,
-                expected="at least two: one cannot tell an offset from a change of scale",
-                mend="add joints, laterals or manholes to the list",
-            )
-    senses = Sense(a, b, options), Sense(a, b.mirrored(), options)
-    fits = _fits(senses)
-    totals = np.array([f.total if f else -np.inf for f in fits])
-    best = int(totals[1] > totals[0])
-    sense, fit = senses[best], fits[best]
-    direction = float(1.0 / (1.0 + np.exp(-min(totals[best] - totals[1 - best], 700.0))))
-    same = _probability_same(sense, fit, float(np.logaddexp(*totals) - np.log(2.0)))
-    placed = place(sense, fit)
-    reason = _refusal(options, same, direction) or _joints_alone(sense, fit, a.kind[placed.index_a])
-    return _result(a, b, options, bool(best), direction, same, fit, placed, reason)
+        _check(one)
+    judged = align(a.take(index_a), b.take(index_b), options)
+    if judged is None:
+        return _unlike(a)
+    best = judged.best
+    placed = place(best.sense, best.fit, a.extent)
+    in_b = placed.index_b + best.first_b
+    pairs = index_a[placed.index_a + best.first_a], index_b[len(index_b) - 1 - in_b if best.turned else in_b]
+    reason = (
+        judged.reason or _joints_alone(best.sense, best.fit, a.kind[pairs[0]]) or _nothing_common(pairs[0], options)
+    )
+    return _result(a, b, options, judged, replace(placed, index_a=pairs[0], index_b=pairs[1]), reason)
 
 
-def _fits(senses: tuple[Sense, Sense]) -> list[Fit | None]:
-    """Return the fit of each sense of travel; None for one that is hopeless beside the other."""
-    likely: list[tuple[np.ndarray, np.ndarray] | None] = [None, None]
-    heads = [s.head() for s in senses]
-    if all(heads):
-        likely = _worth([head.coarse() for head in heads])
-    looked = [s.coarse(within=one) if one or not all(heads) else None for s, one in zip(senses, likely, strict=True)]
-    return [one and s.fit(one) for s, one in zip(senses, _worth(looked), strict=True)]
-
-
-def _worth(coarse: list[tuple[np.ndarray, np.ndarray] | None]) -> list[tuple[np.ndarray, np.ndarray] | None]:
-    """Return those of the scales and log evidences of both senses that are not hopeless."""
-    top = max(one[1].max() for one in coarse if one)
-    return [one if one and one[1].max() > top - _HOPELESS else None for one in coarse]
+def _check(one: FeatureList) -> None:
+    """Refuse a list whose features stand at one place."""
+    if np.unique(one.chainage).size >= _FEWEST:
+        return
+    many = len(one) > 1
+    raise InputError(
+        f"its {len(one)} features all stand at {one.chainage[0]:g} m" if many else "it holds a single feature",
+        where=one.name,
+        expected=("features at two places at least" if many else "at least two")
+        + ": one cannot tell an offset from a change of scale",
+        mend="check which column holds the chainage" if many else "add joints, laterals or manholes to the list",
+    )
 
 
 def match_any(a: FeatureList, others: Sequence[FeatureList], options: MatchOptions | None = None) -> list[Match]:
     """Return the match of `a` with each of `others`, in their order: one tally against many."""
     return [match(a, b, options) for b in others]
-
-
-def _probability_same(sense: Sense, fit: Fit, total: float) -> float:
-    """Return the posterior of one pipe against the better of its rivals; `total` is the log evidence of one pipe."""
-    rival = another_pipe(sense, fit)
-    prior = sense.options.prior_same
-    odds = total - rival + np.log(prior / (1.0 - prior))
-    return float(1.0 / (1.0 + np.exp(-np.clip(odds, -700.0, 700.0))))
-
-
-def _refusal(options: MatchOptions, same: float, direction: float) -> str:
-    """Return why a match with these posteriors is refused; empty when it is not."""
-    if same < options.accept_same:
-        return (
-            f"the features do not show that both inspections saw the same pipe: probability {same:.2f}, "
-            f"at least {options.accept_same:g} is asked for"
-        )
-    if direction < options.accept_same:
-        return f"the features do not tell from which end the second was driven: probability {direction:.2f}"
-    return ""
 
 
 def _joints_alone(sense: Sense, fit: Fit, kinds: np.ndarray) -> str:
@@ -122,26 +99,39 @@ def _joints_alone(sense: Sense, fit: Fit, kinds: np.ndarray) -> str:
     )
 
 
+def _nothing_common(pairs: np.ndarray, options: MatchOptions) -> str:
+    return (
+        "" if pairs.size else f"no feature of one is surely one of the other: no pair reaches {options.accept_pair:g}"
+    )
+
+
 def _result(
-    a: FeatureList, b: FeatureList, options: MatchOptions, turned: bool, direction: float, same: float, fit: Fit,
-    placed: Placed, reason: str,
-) -> Match:  # fmt: skip
+    a: FeatureList, b: FeatureList, options: MatchOptions, judged: Judged, placed: Placed, reason: str
+) -> Match:
     accepted = not reason
-    pairs, drift, flagged = _nothing() if reason else _placed(b, options, turned, placed)
+    best = judged.best
+    state = best.fit.state
+    pairs, drift, flagged = _nothing() if reason else _placed(b, options, best.turned, placed)
     return Match(
         accepted=accepted,
         reason=reason,
-        probability_same=same,
-        reversed=turned,
-        probability_direction=direction,
-        scale=fit.state.scale,
-        noise=fit.state.noise,
-        walk=fit.state.walk,
-        shared={k: float(fit.state.shared[i]) for i, k in enumerate(KINDS) if np.any(a.kind == i)},
+        probability_same=judged.same,
+        reversed=best.turned,
+        probability_direction=judged.direction,
+        scale=state.scale,
+        noise=state.noise,
+        walk=state.walk,
+        shared={k: float(state.shared[i]) for i, k in enumerate(KINDS) if np.any(a.kind == i)},
         pairs=pairs,
         drift=drift,
         flagged=flagged if accepted else (Span(*a.extent, reason),),
     )
+
+
+def _unlike(a: FeatureList) -> Match:
+    reason = "no stretch of one is like a stretch of the other"
+    nan = float("nan")
+    return Match(False, reason, 0.0, False, 0.5, nan, nan, nan, {}, *_nothing()[:2], (Span(*a.extent, reason),))
 
 
 def _nothing() -> tuple[Pairs, Drift, tuple[Span, ...]]:
@@ -153,11 +143,7 @@ def _placed(
     b: FeatureList, options: MatchOptions, turned: bool, placed: Placed
 ) -> tuple[Pairs, Drift, tuple[Span, ...]]:
     """Return pairs, drift and flags in B's own chainage."""
-    y, sign = placed.chainage_b, 1.0
-    index_b = placed.index_b
-    if turned:
-        y, sign, index_b = sum(b.extent) - y, -1.0, len(b) - 1 - index_b
-    residual = sign * placed.residual
-    pairs = Pairs(placed.index_a, index_b, placed.probability, residual)
+    y, sign = (sum(b.extent) - placed.chainage_b, -1.0) if turned else (placed.chainage_b, 1.0)
+    pairs = Pairs(placed.index_a, placed.index_b, placed.probability, sign * placed.residual)
     drift = Drift(placed.chainage_a, y, placed.sigma, placed.mode_probability, placed.spread)
     return pairs, drift, drift.doubtful(b.extent, options.sigma_limit, margin=options.sigma_limit)

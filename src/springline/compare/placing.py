@@ -35,8 +35,8 @@ class Placed:
     spread: float
 
 
-def place(sense: Sense, fit: Fit) -> Placed:
-    """Return pairs and drift, averaged over scales."""
+def place(sense: Sense, fit: Fit, extent: tuple[float, float]) -> Placed:
+    """Return pairs and drift, averaged over scales; the drift from end to end of A's `extent` [m]."""
     weights = np.exp(fit.log_evidence - fit.total)
     order = np.argsort(weights)[::-1][:_MOST_SCALES]
     order = order[weights[order] > _LEAST_WEIGHT * weights.max()]
@@ -56,13 +56,13 @@ def place(sense: Sense, fit: Fit) -> Placed:
     x, keep = np.unique(sense.a.chainage, return_index=True)
     o = sense.options
     spread = fit.state.walk**2 + 2.0 * o.slip_rate * o.slip_scale**2
-    nodes = _to_ends(sense, fit.state.scale, spread, np.array([x, y[keep], sigma[keep], probability[keep]]))
+    nodes = _to_ends(extent, fit.state.scale, spread, np.array([x, y[keep], sigma[keep], probability[keep]]))
     return Placed(index_a, index_b, share, residual, *nodes, spread)
 
 
-def _to_ends(sense: Sense, scale: float, spread: float, nodes: np.ndarray) -> np.ndarray:
+def _to_ends(extent: tuple[float, float], scale: float, spread: float, nodes: np.ndarray) -> np.ndarray:
     """Return nodes (4, n) of chainage in A and B, sigma and probability, carried on to the ends of A."""
-    for end, at in ((sense.a.extent[0], 0), (sense.a.extent[1], nodes.shape[1])):
+    for end, at in ((extent[0], 0), (extent[1], nodes.shape[1])):
         x, y, sigma, probability = nodes[:, min(at, nodes.shape[1] - 1)]
         if x == end:
             continue

@@ -10,11 +10,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..conventions import bearing_from_clock
-from ..errors import FormatError, InputError, nearest
+from ..errors import FormatError, InputError, listed, nearest
 from .features import FeatureList, feature_list
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Callable, Mapping
 
     from numpy.typing import ArrayLike
 
@@ -33,6 +33,11 @@ PACP_COLUMNS = {
 }
 """Columns of a PACP conditions table (NASSCO PACP exchange database), each with the names it goes by."""
 
+_SHOWN = 8
+_SIXTY = 60.0
+_MINUTES_AND_SECONDS = 2
+_CLOCK_END = 13.0  # 12:45 is a quarter to one
+
 _PACP_KINDS = (("T", "lateral"), ("AMH", "manhole"), ("LL", "bend"), ("LR", "bend"), ("LU", "bend"), ("LD", "bend"))
 
 
@@ -48,7 +53,7 @@ def pacp_features(
     """Return the taps, manholes and bends of one inspection of a PACP conditions table.
 
     Defects and remarks are left out: they come and go between inspections. Of a tap the clock (`Clock_At_From`) and
-    the first dimension are kept.
+    the first dimension are kept. A row that repeats another is read once.
 
     Args:
         table: Columns by name, each (rows,), of text or numbers; a pandas DataFrame serves.
@@ -60,7 +65,8 @@ def pacp_features(
 
     Raises:
         FormatError: A column is missing.
-        InputError: A distance is not a number, the inspection has no such feature, or distances fall.
+        InputError: The table does not hold the inspection, a distance is not a number, a clock is not one, the
+            inspection has no such feature, or distances fall.
 
     Source: NASSCO PACP 7, code groups T (tap), A (access point), L (alignment).
 
@@ -71,14 +77,21 @@ def pacp_features(
     """
     columns = {key: _find(table, key, names) for key, names in PACP_COLUMNS.items()}
     title = name or f"inspection {inspection}"
-    mine = np.flatnonzero([str(v).strip() == str(inspection).strip() for v in np.asarray(columns["inspection"])])
+    there = [str(v).strip() for v in np.asarray(columns["inspection"])]
+    mine = np.flatnonzero([v == str(inspection).strip() for v in there])
+    if not mine.size:
+        raise InputError(
+            "there is no such inspection" + nearest(str(inspection), dict.fromkeys(there)),
+            where=title,
+            expected="one of the table: " + listed(list(dict.fromkeys(there)), _SHOWN, ", "),
+        )
     codes = [str(v).strip().upper() for v in np.asarray(columns["code"])[mine]]
     kinds = [_pacp_kind(code) for code in codes]
     kept = np.array([k is not None for k in kinds], dtype=bool)
     rows = mine[kept]
     kind = np.array([k for k in kinds if k is not None], dtype=object)
     distance = _numbers(columns["distance"], rows, title, "Distance") * _unit(length_unit)
-    clock = np.where(kind == "lateral", _numbers(columns["clock"], rows, title, "Clock_At_From"), np.nan)
+    clock = np.where(kind == "lateral", _clocks(columns["clock"], rows, title, "Clock_At_From"), np.nan)
     size = np.where(kind == "lateral", _numbers(columns["size"], rows, title, "Value_1st_Dimension"), np.nan)
     return _listed(distance, kind, clock, size * _unit(size_unit), title, sort)
 
@@ -96,6 +109,8 @@ def column_features(
 ) -> FeatureList:
     """Return the features of a plain table, such as an in-line inspection tally.
 
+    Clocks are hours or hours and minutes ("4.5", "4:30"). A row that repeats another is read once.
+
     Args:
         table: Columns by name, each (rows,), of text or numbers; a pandas DataFrame serves.
         columns: Which column holds what: keys of `COLUMNS`, such as {"chainage": "Log distance", "clock": "o'clock"}.
@@ -109,7 +124,7 @@ def column_features(
 
     Raises:
         FormatError: The map names something else than `COLUMNS`, or a column that is not there.
-        InputError: A cell is not a number, no feature is left, or chainages fall.
+        InputError: A cell is not a number, a clock is not one, no feature is left, or chainages fall.
 
     >>> tally = {"dist": [0, 12.1, 24.3], "what": ["GWD", "GWD", "Tee"]}
     >>> found = column_features(tally, {"chainage": "dist", "kind": "what"}, kinds={"GWD": "joint", "Tee": "lateral"})
@@ -132,8 +147,8 @@ def column_features(
             rows = np.flatnonzero([w in kinds for w in words])
             words = np.array([kinds[w] for w in words[rows]], dtype=object)
     values = {
-        key: _numbers(found[key], rows, name, columns[key]) if key in found else np.full(rows.size, np.nan)
-        for key in ("chainage", "clock", "size")
+        key: read(found[key], rows, name, columns[key]) if key in found else np.full(rows.size, np.nan)
+        for key, read in (("chainage", _numbers), ("clock", _clocks), ("size", _numbers))
     }
     x, size = values["chainage"] * _unit(length_unit), values["size"] * _unit(size_unit)
     return _listed(x, words, values["clock"], size, name, sort)
@@ -158,16 +173,43 @@ def _find(table: Mapping[str, ArrayLike], key: str, names: tuple[str, ...]) -> A
 
 def _numbers(column: ArrayLike, rows: np.ndarray, name: str, title: str) -> np.ndarray:
     """Return numbers (rows,); empty cells are NaN."""
+    return _values(column, rows, name, title, float, "a number")
+
+
+def _clocks(column: ArrayLike, rows: np.ndarray, name: str, title: str) -> np.ndarray:
+    """Return clocks (rows,) [h]; empty cells are NaN."""
+    return _values(column, rows, name, title, _hours, "a clock: 0 to 12 hours, or hours and minutes as in 4:30")
+
+
+def _hours(cell: object) -> float:
+    """Return the hours of "4.5", "4:30" or a time of day; 12:30 is half past the crown.
+
+    Raises:
+        ValueError: It is none of them, or outside 0 to 13 h.
+    """
+    hours, *rest = (float(part) for part in str(cell).split(":"))
+    if len(rest) > _MINUTES_AND_SECONDS or any(not 0.0 <= part < _SIXTY for part in rest):
+        raise ValueError
+    found = hours + sum(part / _SIXTY**n for n, part in enumerate(rest, 1))
+    if not 0.0 <= found < _CLOCK_END:
+        raise ValueError
+    return found
+
+
+def _values(
+    column: ArrayLike, rows: np.ndarray, name: str, title: str, read: Callable[[object], float], what: str
+) -> np.ndarray:
     cells = np.asarray(column, dtype=object)[rows]
     values = np.full(rows.size, np.nan)
     for i, cell in enumerate(cells):
-        if cell is None or str(cell).strip().lower() in ("", "nan", "<na>", "none"):
+        if cell is None or str(cell).strip().lower() in ("", "nan", "<na>", "nat", "none"):
             continue
         try:
-            values[i] = float(cell)
-        except ValueError:
+            values[i] = read(cell)
+        except (TypeError, ValueError):
             raise InputError(
-                f"the cell {cell!r} is not a number", where=f"{name}, row {rows[i] + 1} of the table, column {title}"
+                f"the cell {str(cell)!r} is not {what}",
+                where=f"{name}, row {rows[i] + 1} of the table, column {title}",
             ) from None
     return values
 
@@ -181,4 +223,6 @@ def _unit(unit: str) -> float:
 def _listed(x: np.ndarray, kind: np.ndarray, clock: np.ndarray, size: np.ndarray, name: str, sort: bool) -> FeatureList:
     order = np.argsort(x, kind="stable") if sort else np.arange(x.size)
     size = np.where(size > 0, size, np.nan)
-    return feature_list(x[order], kind[order], bearing=bearing_from_clock(clock[order]), size=size[order], name=name)
+    values = (v[order] for v in (x, kind, bearing_from_clock(clock), size))
+    chainage, kinds, bearing, sizes = values
+    return feature_list(chainage, kinds, bearing=bearing, size=sizes, name=name).once()

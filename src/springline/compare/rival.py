@@ -31,7 +31,8 @@ def another_pipe(sense: Sense, fit: Fit) -> float:
         shared[JOINT] = fit.state.shared[JOINT]
     shared[MANHOLE] = fit.state.shared[MANHOLE]
     manhole = sense.a.kind == MANHOLE
-    alike = Sense(sense.a.take(sense.laid.seen & (~manhole | (np.cumsum(manhole) == 1))), sense.b, sense.options)
+    seen = sense.a.take(sense.laid.seen & (~manhole | (np.cumsum(manhole) == 1)))
+    alike = Sense(seen, sense.b, sense.options, sense.shift)
     kept = fit.scales[fit.log_evidence > fit.log_evidence.max() - _NATS_KEPT]
     states = (replace(fit.state, scale=float(s), shared=shared, walk=walk) for s in kept)
     grid = alike.grid(noise)

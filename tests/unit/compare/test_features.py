@@ -33,6 +33,7 @@ def test_a_tap_at_three_o_clock_is_at_nine_from_the_other_end():
         (([0.0, np.nan], "joint"), "feature 2: the chainage is missing"),
         (([0.0, 1.0], "latteral"), "did you mean 'lateral'"),
         (([0.0, 1.0, 2.0], ["joint", "joint"]), "expected 3 values"),
+        ((["1", "a"], "joint"), "chainage holds something else than numbers"),
     ],
 )
 def test_a_bad_list_is_refused_by_place_and_reason(arguments, told):
@@ -44,3 +45,12 @@ def test_a_bad_list_is_refused_by_place_and_reason(arguments, told):
 def test_an_extent_must_hold_its_features():
     with pytest.raises(InputError, match="does not hold"):
         feature_list([0.0, 5.0], "joint", extent=(0.0, 4.0))
+
+
+def test_infinite_values_are_refused_by_place():
+    for extent in ((-np.inf, 5.0), (0.0, np.inf), (np.nan, 5.0)):
+        with pytest.raises(InputError, match="does not hold"):
+            feature_list([0.0, 5.0], "joint", extent=extent)
+    for name in ("bearing", "size"):
+        with pytest.raises(InputError, match=f"feature 2: the {name} is infinite"):
+            feature_list([0.0, 5.0], "lateral", **{name: [np.nan, np.inf]})

@@ -107,3 +107,45 @@ def test_taps_of_one_place_two_clock_hours_apart_are_two_taps():
     assert 6 in one.pairs.index_a
     assert 6 not in two.pairs.index_a
     assert len(two.pairs) == 11
+
+
+def test_a_list_with_every_feature_twice_is_that_list(pipe):
+    twice = np.repeat(np.arange(14), 2)
+    found = match(pipe.take(twice), pipe)
+    np.testing.assert_array_equal(found.pairs.index_a, 2 * np.arange(14))
+    np.testing.assert_array_equal(found.pairs.index_b, np.arange(14))
+    found = match(pipe, pipe.mirrored().take(twice))
+    np.testing.assert_array_equal(found.pairs.index_b, 2 * (13 - np.arange(14)))
+
+
+@pytest.mark.parametrize("options", [MatchOptions(), MatchOptions.cctv()])
+def test_features_of_one_place_are_refused(pipe, options):
+    heap = feature_list([5.0, 5.0, 5.0], "lateral", bearing=[0.0, 1.5, 3.0], name="heap")
+    for pair in ((heap, pipe), (pipe, heap)):
+        with pytest.raises(InputError, match="heap: its 3 features all stand at 5 m"):
+            match(*pair, options)
+
+
+@pytest.mark.parametrize("options", [MatchOptions(), MatchOptions.cctv()])
+def test_a_palindrome_does_not_tell_its_end(options):
+    x = np.array([0.0, 7.3, 20.0, 31.2, 50.0, 68.8, 80.0, 92.7, 100.0])
+    b = feature_list(np.sort(x + np.random.default_rng(1).normal(0.0, 0.01, 9)), "lateral", bearing=np.pi / 2)
+    found = match(feature_list(x, "lateral", bearing=np.pi / 2), b, options)
+    assert not found
+    assert "from which end" in found.reason
+    assert found.probability_direction < 0.6
+
+
+@pytest.mark.parametrize("options", [MatchOptions(), MatchOptions.cctv()])
+def test_a_list_in_the_wrong_unit_is_refused(pipe, options):
+    for factor in (1e3, 1.0 / 0.3048):
+        b = feature_list(factor * pipe.chainage, "lateral", bearing=pipe.bearing)
+        found = match(pipe, b, options)
+        assert not found
+        assert found.reason
+        assert len(found.pairs) == 0
+
+
+def test_lists_without_bearings_match_by_place(pipe):
+    blind = feature_list(pipe.chainage, "lateral", extent=pipe.extent)
+    assert len(match(blind, pipe).pairs) == len(match(blind, blind.mirrored()).pairs) == 14

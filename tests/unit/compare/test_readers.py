@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from datetime import time
+
 import numpy as np
 import pandas as pd
 import pytest
@@ -33,8 +35,10 @@ def test_pacp_taps_and_manholes_in_metres():
 def test_pacp_names_what_is_missing():
     with pytest.raises(FormatError, match="no column 'PACP_Code'"):
         pacp_features(PACP.drop(columns="PACP_Code"), 4)
-    with pytest.raises(InputError, match="inspection 99: there is no feature in it"):
+    with pytest.raises(InputError, match="inspection 99: there is no such inspection"):
         pacp_features(PACP, 99)
+    with pytest.raises(InputError, match="inspection 4: there is no feature in it"):
+        pacp_features(PACP.assign(PACP_Code="MWL"), 4)
 
 
 def test_pacp_unsorted_is_refused_unless_asked_for():
@@ -77,3 +81,32 @@ def test_a_wrong_map_is_told(columns, told):
 def test_an_unknown_unit_is_told():
     with pytest.raises(InputError, match="unit 'feet'"):
         column_features({"x": [0, 1]}, {"chainage": "x"}, length_unit="feet")
+
+
+@pytest.mark.parametrize(
+    ("cell", "hours"),
+    [("4:30", 4.5), ("04:30:00", 4.5), (time(4, 30), 4.5), ("4.5", 4.5), ("12:45", 0.75), ("0", 12.0)],
+)
+def test_clocks_are_hours_or_hours_and_minutes(cell, hours):
+    found = column_features({"x": [0, 1], "o'clock": ["", cell]}, {"chainage": "x", "clock": "o'clock"})
+    assert clock_from_bearing(found.bearing[1]) == pytest.approx(hours)
+
+
+@pytest.mark.parametrize("cell", ["144", "-3", "inf", "15", "4:75", "4:30:00:00", "three"])
+def test_what_is_no_clock_is_refused(cell):
+    with pytest.raises(InputError, match=r"row 2 of the table, column o'clock.* not a clock"):
+        column_features({"x": [0, 1], "o'clock": ["", cell]}, {"chainage": "x", "clock": "o'clock"})
+    with pytest.raises(InputError, match=r"column Clock_At_From.* not a clock"):
+        pacp_features(PACP.assign(Clock_At_From=cell), 4)
+
+
+def test_a_row_that_repeats_another_is_read_once_and_counted():
+    table = {
+        "x": [0, 4, 4, 4, 4],
+        "kind": ["joint", "lateral", "lateral", "lateral", "joint"],
+        "clock": ["", 3, 9, 3, ""],
+    }
+    found = column_features(table, {"chainage": "x", "kind": "kind", "clock": "clock"})
+    assert found.repeated == 1
+    assert [KINDS[k] for k in found.kind] == ["joint", "lateral", "lateral", "joint"]
+    np.testing.assert_allclose(clock_from_bearing(found.bearing[1:3]), [3.0, 9.0])
