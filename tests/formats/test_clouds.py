@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import struct
+import time
 
 import numpy as np
 import pytest
@@ -11,6 +12,7 @@ import springline as sl
 from springline.errors import FormatError, InputError, ParameterError
 
 from .cloud_files import N, file_points, write_pcd, write_ply
+from .conftest import make_cloud
 
 ORIGIN = np.array([500000, 200000, 40])
 
@@ -218,3 +220,18 @@ def test_missing_points_are_left_out_and_counted(tmp_path):
     np.save(tmp_path / "nan.npy", np.full((20, 3), np.nan))
     with pytest.raises(InputError, match="no point has coordinates"):
         sl.read(tmp_path / "nan.npy")
+
+
+@pytest.mark.parametrize("name", ["a.las", "a.laz"])
+@pytest.mark.parametrize(("place", "value"), [(100, 4_000_000_000), (96, 4_000_000_000)])
+def test_a_las_header_that_promises_too_much_is_refused_at_once(name, place, value, tmp_path):
+    pytest.importorskip("laspy")
+    whole = tmp_path / name
+    sl.write(make_cloud(), whole)
+    damaged = bytearray(whole.read_bytes())
+    damaged[place : place + 4] = value.to_bytes(4, "little")
+    (tmp_path / f"b{name}").write_bytes(bytes(damaged))
+    begun = time.process_time()
+    with pytest.raises(InputError, match=r"the header speaks of .* bytes, the file has"):
+        sl.read(tmp_path / f"b{name}")
+    assert time.process_time() - begun < 5.0

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+import os
 
 import numpy as np
 import pytest
@@ -62,6 +63,14 @@ def test_missing_and_unknown(tmp_path):
     (tmp_path / "empty").mkdir()
     with pytest.raises(InputError, match="neither a survey folder"):
         sl.read(tmp_path / "empty")
+
+
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="the system has no named pipes")
+def test_a_named_pipe_is_refused_and_not_waited_for(tmp_path):
+    os.mkfifo(tmp_path / "rings.csv")
+    for options in ({}, {"format": "csv"}):
+        with pytest.raises(InputError, match=r"rings\.csv: neither a file nor a folder"):
+            sl.read(tmp_path / "rings.csv", **options)
 
 
 @pytest.mark.parametrize(

@@ -142,6 +142,10 @@ FAULTS = {
         L + "".join(f"{d},{a + 0.7 * d},150\n" for d in range(4) for a in (0, 90, 180)),
         "do not share their bearings",
     ),
+    "far": (
+        "distance_m,r_0_mm,r_1_mm,r_2_mm\n0,150,150,150\n1e9,150,150,150\n",
+        "row 3: the distance is 1e.09 m; .*1000 km",
+    ),
     "neither": ("alpha,beta\n1,2\n", "columns alpha, beta are neither"),
 }
 

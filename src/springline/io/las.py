@@ -24,6 +24,7 @@ _RECORD = "springline"
 _INTENSITY = "intensity_float"
 _LINEAR_UNIT_KEY = 3076
 _METRE, _FEET = 9001, {9002: 0.3048, 9003: 1200 / 3937}
+_OLDEST_HEADER, _HEADER, _RECORD_HEADER, _LATER_RECORD_HEADER = 227, 255, 54, 60
 _FINE, _COARSE, _LONGEST = 1e-6, 1e-4, 2000.0
 
 
@@ -52,6 +53,7 @@ def read_las(path: Path, options: ReadOptions) -> Survey:
     laspy = _laspy()
     import lazrs
 
+    _check_header(path)
     try:
         las = laspy.read(path)
         count, promised = len(las.points), las.header.point_count
@@ -80,6 +82,26 @@ def read_las(path: Path, options: ReadOptions) -> Survey:
         ),
     )
     return cloud_survey(raw, path, options)
+
+
+def _check_header(path: Path) -> None:
+    """Refuse a header that promises more records than the file has room for: laspy would read them one by one."""
+    size = path.stat().st_size
+    with path.open("rb") as stream:
+        head = stream.read(_HEADER)
+    if len(head) < _OLDEST_HEADER:
+        return
+    length, points, records = struct.unpack_from("<HII", head, 94)
+    promised = length + records * _RECORD_HEADER
+    if head[25] >= 4 and len(head) >= _HEADER:
+        first, later = struct.unpack_from("<QI", head, 235)
+        promised = max(promised, first + later * _LATER_RECORD_HEADER if later else 0)
+    if promised > size or points > size:
+        raise FormatError(
+            f"cut short or damaged: the header speaks of {max(promised, points)} bytes, the file has {size}",
+            where=path,
+            mend="copy or export it again",
+        )
 
 
 def _scale(header: Any, path: Path, options: ReadOptions) -> float:

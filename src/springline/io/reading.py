@@ -228,8 +228,7 @@ def _one_survey_each(paths: list[Path]) -> None:
 def _format_of(path: Path, options: ReadOptions) -> Format:
     if options.format is None:
         return registry.guess(path)
-    if not path.exists():
-        raise InputError("no such file", where=path, mend="check the path")
+    registry.require_there(path)
     if path.is_file() and path.stat().st_size == 0:
         raise InputError("the file is empty", where=path)
     return registry.by_key(options.format)

@@ -125,6 +125,16 @@ def by_key(key: str, *, where: str = "format") -> Format:
     )
 
 
+def require_there(path: Path) -> None:
+    """Raise an `InputError` unless there is a file or a folder at `path`; a pipe would be waited for."""
+    if not path.exists():
+        raise InputError("no such file", where=path, mend="check the path")
+    if not (path.is_file() or path.is_dir()):
+        raise InputError(
+            "neither a file nor a folder", where=path, expected="a file", mend="save what comes in there to a file"
+        )
+
+
 def guess(path: Path) -> Format:
     """Return the format of an input by its content.
 
@@ -134,8 +144,7 @@ def guess(path: Path) -> Format:
     """
     from .sniff import sniff
 
-    if not path.exists():
-        raise InputError("no such file", where=path, mend="check the path")
+    require_there(path)
     key = sniff(path)
     if key is None:
         _explain_table(path)

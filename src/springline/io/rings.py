@@ -26,6 +26,8 @@ if TYPE_CHECKING:
     from .ring_arrays import RingArrays, Table
 
 _BLOCK = 4096
+_FARTHEST = 1e6
+"""Distance [m] beyond which a counter's unit, or its cells, cannot be right."""
 
 
 @dataclass(frozen=True)
@@ -158,6 +160,14 @@ def _check_distance(arrays: RingArrays, path: Path) -> None:
     if missing.size:
         raise InputError(
             "the distance is missing", where=f"{path}, row {arrays.rows[missing[0]]}", expected="a finite number"
+        )
+    far = np.flatnonzero(np.abs(arrays.distance) > _FARTHEST)
+    if far.size:
+        raise InputError(
+            f"the distance is {arrays.distance[far[0]]:g} m",
+            where=f"{path}, row {arrays.rows[far[0]]}",
+            expected=f"within {_FARTHEST / 1e3:g} km",
+            mend="state the unit of the distance in its column's name, such as distance_mm",
         )
     steps = np.diff(arrays.distance)
     wrong = np.flatnonzero(steps <= 0)

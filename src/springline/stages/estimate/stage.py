@@ -270,4 +270,5 @@ def _explain_joint(survey: Survey, joint: JointEstimate) -> Survey:
         "of its ranges, cannot be told from one survey; they are taken as the sensor's sigma and calibration say.",
         "The robot is taken to go where it points, up to a side-slip that stays: a head that swings on a robot which "
         "drives straight is taken for bends of the pipe, and yaw, pitch and layout are off by as much.",
+        "Chainage counts from where the counter read zero.",
     )
