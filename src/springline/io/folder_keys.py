@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import tomllib
 from dataclasses import dataclass, field
-from datetime import date, datetime
 from math import radians
 from typing import TYPE_CHECKING, Any
 
 from ..conventions import BEARING_SENSES, BEARING_ZEROS, SENSOR_KINDS, SURVEY_FOLDER_KEYS, SURVEY_SENSOR_KEYS
 from ..errors import FormatError, InputError, nearest
+from ..survey.overrides import iso_date
 from .columns import UNITS, unit_name
 from .units import length
 
@@ -75,7 +75,7 @@ def read_keys(path: Path) -> FolderKeys:
     if "facing" in values:
         attrs["facing"] = _choice(values["facing"], ("forwards", "backwards"), path, "facing")
     if "date" in values:
-        attrs["date"] = _date(values["date"], path)
+        attrs["date"] = iso_date(values["date"], f"{path}, date")
     parts = _table(values, "parts", path)
     _known(parts, PARTS, path, "parts.")
     return FolderKeys(
@@ -156,14 +156,3 @@ def _length(value: Any, path: Path, key: str, *, signed: bool = False) -> float:
             expected="a length with its unit in quotes, such as '300mm'",
         )
     return length(value, where=f"{path}, {key}", signed=signed)
-
-
-def _date(value: Any, path: Path) -> str:
-    if isinstance(value, (date, datetime)):
-        return value.isoformat()
-    try:
-        return datetime.fromisoformat(_text(value, path, "date")) and value
-    except ValueError:
-        raise InputError(
-            f"{value!r} is not a date", where=f"{path}, date", expected="ISO 8601, such as 2026-05-04"
-        ) from None

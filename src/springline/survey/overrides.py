@@ -150,7 +150,7 @@ def _record(action: str, table: dict[str, Any], where: str) -> dict[str, Any]:
 
 def _value(key: str, value: Any, where: str) -> Any:
     if key == "date":
-        return _date(value, where)
+        return iso_date(value, where)
     if key in _TEXTS:
         if not isinstance(value, str) or not value.strip():
             raise InputError(f"{value!r} is not a text", where=where, expected="a text in quotes")
@@ -162,7 +162,15 @@ def _value(key: str, value: Any, where: str) -> Any:
     return float(value)
 
 
-def _date(value: Any, where: str) -> str:
+def iso_date(value: Any, where: str) -> str:
+    """Return a date that was read from TOML as ISO 8601 writes it.
+
+    Raises:
+        InputError: It is none.
+
+    >>> iso_date(date(2026, 5, 4), "survey.toml, date")
+    '2026-05-04'
+    """
     if isinstance(value, (date, datetime)):
         return value.isoformat()
     try:
