@@ -23,7 +23,7 @@ WALK, STRIDE = 4, 4.0
 
 
 @njit(cache=True)
-def _turned(axes, pose):  # type: ignore[no-untyped-def]
+def _turned(axes, pose):
     """Rows backwards, up and right of the camera turned about its own axes: yaw, pitch, roll."""
     n, v, u = axes[0].copy(), axes[1].copy(), axes[2].copy()
     cos, sin = math.cos(-pose[4]), math.sin(-pose[4])
@@ -36,7 +36,7 @@ def _turned(axes, pose):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True)
-def cast(directions, axes, eye, radii, pose, places):  # type: ignore[no-untyped-def]
+def cast(directions, axes, eye, radii, pose, places):
     """Where rays meet the wall, x from the camera's; False when the camera is outside the pipe."""
     n, v, u = _turned(axes, pose)
     eye_y, eye_z = eye[1] + pose[1], eye[2] + pose[2]
@@ -57,7 +57,7 @@ def cast(directions, axes, eye, radii, pose, places):  # type: ignore[no-untyped
 
 
 @njit(cache=True)
-def off_edge(lateral, places, parameters, out):  # type: ignore[no-untyped-def]
+def off_edge(lateral, places, parameters, out):
     """How far points of the wall lie off the model's edge [m]."""
     x = parameters[0]
     if not lateral:
@@ -75,7 +75,7 @@ def off_edge(lateral, places, parameters, out):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True)
-def residuals(lateral, sets, axes, eye, radii, parameters, places, off, out):  # type: ignore[no-untyped-def]
+def residuals(lateral, sets, axes, eye, radii, parameters, places, off, out):
     """How far each point is off [px], by first order; False when the parameters make no sense."""
     shape = radii
     if not lateral:
@@ -93,7 +93,7 @@ def residuals(lateral, sets, axes, eye, radii, parameters, places, off, out):  #
 
 
 @njit(cache=True)
-def distances(lateral, sets, axes, eye, radii, parameters, out):  # type: ignore[no-untyped-def]
+def distances(lateral, sets, axes, eye, radii, parameters, out):
     """How far each point is from the model's edge [px], walking there; False when the parameters make no sense.
 
     By first order alone, edges seen at a slant are near to everything.
@@ -128,7 +128,7 @@ def distances(lateral, sets, axes, eye, radii, parameters, out):  # type: ignore
 
 
 @njit(cache=True)
-def _excess(lateral, radii, parameters):  # type: ignore[no-untyped-def]
+def _excess(lateral, radii, parameters):
     """By how many sigmas a bore is unusually wide."""
     if not lateral:
         return 0.0
@@ -136,7 +136,7 @@ def _excess(lateral, radii, parameters):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True)
-def _cost(lateral, radii, residuals, noise, parameters, mean, sigma):  # type: ignore[no-untyped-def]
+def _cost(lateral, radii, residuals, noise, parameters, mean, sigma):
     total = 0.0
     square = ROBUST**2
     for k in range(residuals.shape[0]):
@@ -148,7 +148,7 @@ def _cost(lateral, radii, residuals, noise, parameters, mean, sigma):  # type: i
 
 
 @njit(cache=True)
-def whole_cost(lateral, sets, axes, eye, radii, parameters, mean, sigma, noise):  # type: ignore[no-untyped-def]
+def whole_cost(lateral, sets, axes, eye, radii, parameters, mean, sigma, noise):
     """Robust misfit by the distances from the edge, and what the prior says."""
     out = np.empty(sets.shape[1])
     if not distances(lateral, sets, axes, eye, radii, parameters, out):
@@ -157,7 +157,7 @@ def whole_cost(lateral, sets, axes, eye, radii, parameters, mean, sigma, noise):
 
 
 @njit(cache=True)
-def _normal(lateral, sets, axes, eye, radii, parameters, sigma, noise, base, places, off):  # type: ignore[no-untyped-def]
+def _normal(lateral, sets, axes, eye, radii, parameters, sigma, noise, base, places, off):
     """Information matrix and gradient of the robust misfit, by differences."""
     count, size = base.shape[0], parameters.shape[0]
     slopes = np.zeros((count, size))
@@ -185,7 +185,7 @@ def _normal(lateral, sets, axes, eye, radii, parameters, sigma, noise, base, pla
 
 
 @njit(cache=True)
-def solve(lateral, sets, axes, eye, radii, start, mean, sigma, noise, steps):  # type: ignore[no-untyped-def]
+def solve(lateral, sets, axes, eye, radii, start, mean, sigma, noise, steps):
     """Levenberg and Marquardt's steps from a first guess; parameters and cost."""
     count, size = sets.shape[1], start.shape[0]
     places, off = np.empty((count, 3)), np.empty((3, count))
@@ -238,7 +238,7 @@ def solve(lateral, sets, axes, eye, radii, start, mean, sigma, noise, steps):  #
 
 
 @njit(cache=True)
-def information(lateral, sets, axes, eye, radii, parameters, sigma, noise):  # type: ignore[no-untyped-def]
+def information(lateral, sets, axes, eye, radii, parameters, sigma, noise):
     """What the points and the prior know of the parameters: the inverse of their covariance."""
     count = sets.shape[1]
     places, off, base = np.empty((count, 3)), np.empty((3, count)), np.empty(count)

@@ -37,7 +37,7 @@ def smooth_arcs(field: EdgeField) -> list[Array]:
 
 
 @njit(cache=True)
-def _chains(points, index, strong, shortest, straight):  # type: ignore[no-untyped-def]
+def _chains(points, index, strong, shortest, straight):
     """Follow edge points both ways from the strongest that is free; members of all chains and where each ends."""
     count = len(points)
     used = np.zeros(count, np.bool_)
@@ -78,7 +78,7 @@ def _chains(points, index, strong, shortest, straight):  # type: ignore[no-untyp
 
 
 @njit(cache=True)
-def _next(points, index, used, here, way, straight):  # type: ignore[no-untyped-def]
+def _next(points, index, used, here, way, straight):
     """The free neighbour that best continues the edge, marked as used; -1 when there is none."""
     along_x, along_y = -points[here, 3] * way, points[here, 2] * way
     column, row = round(points[here, 0]), round(points[here, 1])
@@ -105,7 +105,7 @@ def _next(points, index, used, here, way, straight):  # type: ignore[no-untyped-
 
 
 @njit(cache=True)
-def _pieces(x, y, tolerance, shortest):  # type: ignore[no-untyped-def]
+def _pieces(x, y, tolerance, shortest):
     """Cut a chain into the longest runs that each fit a circle; first and last + 1 of each."""
     found = [(0, 0)]
     found.pop()
@@ -130,7 +130,7 @@ def _pieces(x, y, tolerance, shortest):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True)
-def _misfit(x, y):  # type: ignore[no-untyped-def]
+def _misfit(x, y):
     """Rms distance of points to their circle by Kasa's fit; a straight run counts as a circle."""
     mean_x, mean_y = x.mean(), y.mean()
     u, v = x - mean_x, y - mean_y

@@ -125,7 +125,7 @@ def _inside(image: NDArray[np.uint8]) -> Array | None:
 
 
 @njit(cache=True)
-def _thinned(across, down, slope, strength, weak, margin):  # type: ignore[no-untyped-def]
+def _thinned(across, down, slope, strength, weak, margin):
     """Points where the slope is largest along its own direction, and their place by a parabola."""
     rows, columns = slope.shape
     points = np.empty((rows * columns // 2, 6))
@@ -151,7 +151,7 @@ def _thinned(across, down, slope, strength, weak, margin):  # type: ignore[no-un
 
 
 @njit(cache=True)
-def _between(image, x, y):  # type: ignore[no-untyped-def]
+def _between(image, x, y):
     column, row = math.floor(x), math.floor(y)
     right, below = x - column, y - row
     top = image[row, column] * (1.0 - right) + image[row, column + 1] * right

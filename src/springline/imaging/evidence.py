@@ -92,7 +92,7 @@ def rank(field: EdgeField, ellipses: Array, senses: Array) -> Array:
 
 
 @njit(cache=True)
-def _rank(points, index, grey, box, seen_at, ellipses, senses, reach):  # type: ignore[no-untyped-def]
+def _rank(points, index, grey, box, seen_at, ellipses, senses, reach):
     found = np.empty(len(ellipses))
     hits = np.empty(_MOST_SAMPLES, np.int64)
     beside = np.empty(_MOST_SAMPLES, np.int64)
@@ -102,7 +102,7 @@ def _rank(points, index, grey, box, seen_at, ellipses, senses, reach):  # type: 
 
 
 @njit(cache=True)
-def _evidence(points, index, grey, box, seen_at, ellipse, sense, reach, hits, beside):  # type: ignore[no-untyped-def]
+def _evidence(points, index, grey, box, seen_at, ellipse, sense, reach, hits, beside):
     found, samples, count = _count(points, index, box, seen_at, ellipse, 0.0, sense, reach, hits)
     if samples < _FEWEST_SAMPLES:
         return -np.inf, 0.0, 0.0, count, samples
@@ -132,7 +132,7 @@ def _evidence(points, index, grey, box, seen_at, ellipse, sense, reach, hits, be
 
 
 @njit(cache=True)
-def _count(points, index, box, seen_at, ellipse, offset, sense, reach, hits):  # type: ignore[no-untyped-def]
+def _count(points, index, box, seen_at, ellipse, offset, sense, reach, hits):
     """Hits and samples inside the frame along the curve `offset` outside the ellipse, and all samples round it."""
     major, minor = ellipse[2], ellipse[3]
     cos, sin = math.cos(ellipse[4]), math.sin(ellipse[4])

@@ -197,7 +197,7 @@ def _by_sector(line: NDArray[np.float32], seen: NDArray[np.bool_]) -> tuple[Arra
 
 
 @njit(cache=True)
-def _best(sectors, known, waves, quantile):  # type: ignore[no-untyped-def]
+def _best(sectors, known, waves, quantile):
     """For each row the quantile over sectors along the wave that has the largest mean; -inf where half is unseen."""
     rows, count = sectors.shape
     best = np.full(rows, -np.inf)

@@ -145,7 +145,7 @@ def _lens_table(lens: Lens) -> tuple[float, Array, NDArray[np.bool_]]:
 
 
 @njit(cache=True, error_model="numpy")
-def _laid_out(matrix, x, wall, centre, least, scale, rough):  # type: ignore[no-untyped-def]
+def _laid_out(matrix, x, wall, centre, least, scale, rough):
     """Column and row of each place of the wall, float32, and which of them the lens's table does not tell."""
     shape = (x.size, wall.shape[1])
     columns, rows = np.empty(shape, np.float32), np.empty(shape, np.float32)

@@ -106,7 +106,7 @@ def unit_name(text: str) -> str:
 
 def factor(column: Column, unit: str | None = None) -> float:
     """Return the factor to SI of a column, whose own unit wins over `unit`; KeyError when there is neither."""
-    return UNITS[base_quantity(column.quantity)][column.unit or unit]  # type: ignore[index]
+    return UNITS[base_quantity(column.quantity)][column.unit or unit]
 
 
 def find(columns: Sequence[Column], quantity: str, path: Path, *, required: bool = True) -> int | None:

@@ -58,4 +58,4 @@ def read_e57(path: Path, options: ReadOptions) -> Survey:
 
 
 def _translation(header: object) -> np.ndarray:
-    return np.asarray(header.translation if header.has_pose() else np.zeros(3))  # type: ignore[attr-defined]
+    return np.asarray(header.translation if header.has_pose() else np.zeros(3))

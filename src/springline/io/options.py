@@ -118,7 +118,7 @@ def _number(name: str, value: object) -> float:
     try:
         if isinstance(value, (str, bytes, bool)):
             raise TypeError
-        return float(value)  # type: ignore[arg-type]
+        return float(value)
     except (TypeError, ValueError):
         raise ParameterError(f"{value!r} is not a number", where=name, expected="a number, such as 0.4") from None
 

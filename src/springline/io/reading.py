@@ -90,7 +90,7 @@ def read(
         unit=unit,
         bearing_zero=bearing_zero,
         bearing_sense=bearing_sense,
-        intrinsics=intrinsics,  # type: ignore[arg-type]
+        intrinsics=intrinsics,
         depth_unit=depth_unit,
         axes=axes,
         sensor=sensor,

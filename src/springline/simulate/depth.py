@@ -17,7 +17,7 @@ def depth_cloud(world: World) -> tuple[xr.Dataset, xr.Dataset]:
 
     Points of one capture share their `time`. Pixels without a return are left out.
     """
-    camera: equipment.DepthCamera = world.scenario.depth_camera  # type: ignore[assignment]
+    camera: equipment.DepthCamera = world.scenario.depth_camera
     travelled = np.array(camera.captures, float)
     axes = world.motion.axes(travelled)
     origin = world.motion.point(travelled, np.array(camera.position))

@@ -25,7 +25,7 @@ _DEG_H = np.radians(1.0) / 3600.0
 
 def inertial_blocks(world: World) -> Iterator[tuple[xr.Dataset, xr.Dataset]]:
     """Yield, for each block of samples, the inertial log and its truth."""
-    unit: equipment.Inertial = world.scenario.inertial  # type: ignore[assignment]
+    unit: equipment.Inertial = world.scenario.inertial
     count = int(np.floor(world.clock.duration * unit.rate)) + 1
     bias = np.array([np.array(unit.gyro_bias_deg_h) * _DEG_H, unit.accel_bias])
     for block, first in enumerate(range(0, count, BLOCK)):

@@ -153,7 +153,7 @@ def ties(world: World) -> tuple[xr.Dataset, xr.Dataset]:
 
     A tie is a point of the pipe's axis; its distance is what the odometer reads when the robot's middle is there.
     """
-    known: equipment.Ties = world.scenario.ties  # type: ignore[assignment]
+    known: equipment.Ties = world.scenario.ties
     route = world.route
     travelled = np.sort(route.chainage(np.array(known.chainages, float)))
     point, _ = route.at(travelled)

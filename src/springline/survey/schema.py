@@ -70,7 +70,7 @@ def _check_structure(group: Group, data: xr.Dataset, where: str) -> None:
 
 def _check_length(name: str, value: object, where: str) -> None:
     number = isinstance(value, (int, float, np.number)) and not isinstance(value, bool)
-    if value is not None and not (number and 0.0 < float(value) < np.inf):  # type: ignore[arg-type]
+    if value is not None and not (number and 0.0 < float(value) < np.inf):
         raise ContractError(f"the attribute '{name}' is {value!r}", where=where, expected="a length in metres")
 
 

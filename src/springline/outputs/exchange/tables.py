@@ -98,7 +98,7 @@ def _of(take: object, values: np.ndarray, starts: np.ndarray, stops: np.ndarray)
         piece = values[start:stop]
         known = piece[np.isfinite(piece)]
         if known.size:
-            found[k] = take(known)  # type: ignore[operator]
+            found[k] = take(known)
     return found
 
 

@@ -245,7 +245,7 @@ class Footage:
 
     def laser_pose(self, index: np.ndarray | int) -> tuple[np.ndarray, np.ndarray]:
         """Return the laser's source (..., 3) and its axes ahead, up, right (..., 3, 3) on Earth at frames."""
-        laser: optics.Laser = self.camera.laser  # type: ignore[assignment]
+        laser: optics.Laser = self.camera.laser
         robot = self.robot[index]
         away = np.array([laser.ahead, laser.offset_y, laser.offset_z])
         axes = in_pipe(np.radians(laser.pitch_deg), np.radians(laser.yaw_deg), 0.0) @ robot
