@@ -136,6 +136,17 @@ def test_rows_that_repeat_another_are_told_and_read_once(lists, tmp_path):
     assert summary["unclear"] == 0
 
 
+def test_clocks_cut_to_the_minute_are_no_change(lists, tmp_path):
+    head, *rows = (lists / "a.csv").read_text().splitlines()
+    cells = [row.split(",") for row in rows]
+    cut = [f"{x},{kind},{int(float(h))}:{int(float(h) * 60 % 60):02d},{size}" for x, kind, h, size in cells]
+    (tmp_path / "minutes.csv").write_text("\n".join([head, *cut]) + "\n")
+    assert run(lists / "a.csv", tmp_path / "minutes.csv", "-o", tmp_path / "out")[0] == 0
+    summary = json.loads((tmp_path / "out" / "summary.json").read_text())
+    assert summary["pairs"] == 30
+    assert summary["changes"] == summary["measurement_errors"] == 0
+
+
 def test_semicolons_and_decimal_commas(lists, tmp_path):
     text = (lists / "a.csv").read_text().replace(",", ";").replace(".", ",")
     (tmp_path / "comma.csv").write_text(text)

@@ -179,10 +179,11 @@ def _sigma(change: NDArray, stated: NDArray) -> NDArray[np.float64]:
     known = np.isfinite(change)
     if known.sum() < _ENOUGH:
         return np.where(known, stated, np.nan)
-    middle = np.median(change[known])
     if not (np.isfinite(stated[known]) & (stated[known] > 0)).any():
-        scatter = 1.4826 * float(np.median(np.abs(change[known] - middle)))
+        # About 0, as what all have in common (a roll, a habit of rounding) is no change of any of them.
+        scatter = 1.4826 * float(np.median(np.abs(change[known])))
         return np.where(known, scatter if scatter > 0 else np.nan, np.nan)
+    middle = np.median(change[known])
     z = (change - middle) / np.where(stated > 0, stated, np.nan)
     return np.where(known, stated * max(1.0, 1.4826 * float(np.nanmedian(np.abs(z)))), np.nan)
 

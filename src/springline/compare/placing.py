@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from .chain import likeliest
+from .lattice import lattice_places
+from .result import ONE_PLACE
 
 if TYPE_CHECKING:
     from .fit import Fit, Sense
@@ -52,6 +54,11 @@ def place(sense: Sense, fit: Fit, extent: tuple[float, float]) -> Placed:
     y, sigma, probability = _mix(np.array(modes), weights, half)
     index, index_b, share = _choose(shares, sense.laid.seen, sense.options.accept_pair)
     residual = sense.b.chainage[index_b] - y[index]
+    k, at, own = lattice_places(sense, fit.state, index, index_b)
+    weight = sigma[k] ** 2 / (sigma[k] ** 2 + own**2)
+    sure = probability[k] > ONE_PLACE
+    y[k] = np.where(sure, y[k] + weight * (at - y[k]), y[k])
+    sigma[k] = np.where(sure, np.sqrt(weight) * own, sigma[k])
     index_a = (np.cumsum(sense.laid.seen) - 1)[index]
     x, keep = np.unique(sense.a.chainage, return_index=True)
     o = sense.options
