@@ -91,7 +91,10 @@ class OwnFolder:
             return
         if not path.is_dir():
             raise OutputError("it is a file, not a folder", where=path, mend="choose another folder")
-        there = {one.name for one in path.iterdir()}
+        try:
+            there = {one.name for one in path.iterdir()}
+        except OSError as error:
+            raise OutputError(f"cannot be looked into: {error.strerror or error}", where=path) from error
         if there and not any(there == own if self.alone else there >= own for own in self.holds):
             raise OutputError(
                 f"it holds other files than those of {self.what}, and --force would remove them",

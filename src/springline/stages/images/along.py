@@ -12,6 +12,6 @@ def in_order(place: np.ndarray, *values: np.ndarray) -> tuple[np.ndarray, ...]:
     >>> place.tolist(), value.tolist()
     ([1.0, 2.0], [10.0, 20.0])
     """
-    good = np.logical_and.reduce([np.isfinite(v).reshape(len(v), -1).all(axis=1) for v in (place, *values)])
+    good = np.logical_and.reduce([np.isfinite(v).all(axis=tuple(range(1, v.ndim))) for v in (place, *values)])
     order = np.flatnonzero(good)[np.argsort(place[good], kind="stable")]
     return tuple(v[order] for v in (place, *values))
