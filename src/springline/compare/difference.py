@@ -10,8 +10,8 @@ from scipy.ndimage import median_filter
 
 from ..geometry.measures import polar_radius
 from .edges import COMPARED, SPIKE, at_joints, coarser, joint_rows, rims, why_compared
-from .shape import local_sigma, pattern_of, roll_left, without_shape
-from .texture import sample
+from .shape import local_sigma, pattern_of, roll_left, white_sigma, without_shape
+from .texture import sample, white_kept
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -35,7 +35,8 @@ class Difference:
         wall_b: (n, m) the same of B, in A's place and frame.
         change: (n, m) radius of B less that of A [m], outward positive, without scale, pattern and slow shape; NaN
             where it cannot be told.
-        sigma: (n, m) one-sigma of a cell [m].
+        sigma: (n, m) one-sigma of a cell [m], as what is averaged over several of them has it; interpolation makes a
+            lone cell quieter than that.
         why: (n, m) flags of `WHY_NOT`, uint8.
         scale: Ranges of B over those of A, less one; what a change of all diameters alike would show too.
         scale_sigma: Its one-sigma.
@@ -106,7 +107,8 @@ def difference(a: Wall, b: Wall, placed: Registration, joints: tuple[NDArray, ND
     change = without_shape(change, bearing, step)
     pattern = pattern_of(change, float(x[-1] - x[0]))
     change -= pattern.astype(np.float32)
-    sigma = np.maximum(local_sigma(change, step), np.float32(_LEAST_NOISE * np.hypot(a.noise, b.noise)))
+    kept = _kept(a, turned, x, np.nan_to_num(own), placed.roll_at(x), rows)
+    sigma = np.maximum(white_sigma(change, step, kept), np.float32(_LEAST_NOISE * np.hypot(a.noise, b.noise)))
     return Difference(
         chainage=x, chainage_b=y, bearing=bearing,
         wall_a=np.where(seen_a, wall_a, np.nan).astype(np.float32),
@@ -119,14 +121,28 @@ def difference(a: Wall, b: Wall, placed: Registration, joints: tuple[NDArray, ND
 def _rolled(values: NDArray, seen: NDArray, roll: NDArray) -> tuple[NDArray, NDArray]:
     """Return values (n, m) turned by roll (n,) [rad], between cells by the line."""
     m = values.shape[1]
-    shift = -roll * m / (2 * np.pi)
-    whole = np.floor(shift).astype(int)
-    part = (shift - whole)[:, None].astype(np.float32)
+    whole, part = _cells_rolled(roll, m)
+    part = part[:, None].astype(np.float32)
     first = (np.arange(m)[None, :] + whole[:, None]) % m
     second = (first + 1) % m
     take = np.take_along_axis
     near, far = take(seen, first, 1), take(seen, second, 1)
     return (1 - part) * take(values, first, 1) + part * take(values, second, 1), near & far
+
+
+def _cells_rolled(roll: NDArray, cells: int) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
+    """Return by how many whole cells (n,) a roll (n,) [rad] moves a ring of `cells`, and by which part (n,) of one."""
+    shift = -roll * cells / (2 * np.pi)
+    whole = np.floor(shift).astype(int)
+    return whole, shift - whole
+
+
+def _kept(a: Wall, b: Wall, x: NDArray, y: NDArray, roll: NDArray, rows: int) -> NDArray[np.float64]:
+    """Return the share (n,) of the variance of white readings that interpolation left in a cell of the difference."""
+    part = _cells_rolled(roll, rows)[1]
+    own = white_kept(a.chainage, x), white_kept(b.chainage, y) * ((1.0 - part) ** 2 + part**2)
+    power = np.square([a.noise, b.noise])
+    return (power[0] * own[0] + power[1] * own[1]) / power.sum()
 
 
 def _sections(wall: Wall, x: NDArray) -> NDArray[np.float64]:

@@ -35,14 +35,17 @@ _RIM = 4  # cells beside an opening that its rim may reach
 
 def joint_rows(wall: NDArray, seen: NDArray, section: NDArray, step: float) -> NDArray[np.bool_]:
     """Return the rows (n,) that stand out from those beside them, over so short a way that they are a joint."""
-    square = np.where(seen, wall, 0.0).astype(float) ** 2
-    power = np.log(square.sum(axis=1) / np.maximum(seen.sum(axis=1), 1) + 1e-14)
+    scatter = 1.4826 * float(np.median(np.abs(wall[seen]))) if seen.any() else np.inf
+    # One stray reading is no joint.
+    plain, count = np.clip(np.where(seen, wall, 0.0), -_FAR * scatter, _FAR * scatter), np.maximum(seen.sum(axis=1), 1)
+    power = np.log(np.square(plain, dtype=float).sum(axis=1) / count + 1e-14)
+    # The ring's own mean: sections that were estimated along the pipe are smooth past a joint.
+    mean = np.nan_to_num(section[:, 0], nan=np.nanmedian(section[:, 0])) + plain.sum(axis=1, dtype=float) / count
     width = 2 * round(0.5 * _LOCAL / step) + 1
     out = np.zeros(len(wall), bool)
-    for values in (power, np.nan_to_num(section[:, 0], nan=np.nanmedian(section[:, 0]))):
+    for values in (power, mean):
         off = values - median_filter(values, width, mode="nearest")
         out |= np.abs(off) > _JOINT_SIGMAS * 1.4826 * max(float(np.median(np.abs(off))), 1e-9)
-    scatter = 1.4826 * float(np.median(np.abs(wall[seen]))) if seen.any() else np.inf
     # Stray readings are everywhere: a joint has more of them than the rings about it.
     far = (np.abs(wall) > _FAR * scatter).mean(axis=1)
     usual = median_filter(far, width, mode="nearest")

@@ -114,3 +114,15 @@ def local_sigma(change: NDArray, step: float) -> NDArray[np.float32]:
         return np.full(change.shape, np.nan, np.float32)
     row = np.interp(np.arange(n), middles[known], scatter[known])
     return np.broadcast_to(np.maximum(row, 1e-7)[:, None], change.shape).astype(np.float32)
+
+
+def white_sigma(change: NDArray, step: float, kept: NDArray) -> NDArray[np.float32]:
+    """Return the one-sigma (n, m) of a cell as averages of several cells have it.
+
+    Args:
+        change: (n, m) the difference map [m]; NaN where it cannot be told.
+        step: Between rows [m].
+        kept: (n,) share of the variance of white noise that interpolation left in each row's cells.
+    """
+    steady = uniform_filter1d(kept, 2 * max(1, round(0.5 * _LOCAL / step)) + 1, mode="nearest")
+    return local_sigma(change, step) / np.sqrt(steady, dtype=np.float32)[:, None]

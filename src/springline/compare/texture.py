@@ -68,13 +68,7 @@ def sample(
     gap = at[i + 1] - at[i]
     t = (wanted - at[i]) / gap
     inside = (t >= 0.0) & (t <= 1.0) & (gap <= reach)
-    t = np.clip(t, 0.0, 1.0).astype(np.float32)[:, None]
-    weights = (
-        ((-0.5 * t + 1.0) * t - 0.5) * t,
-        (1.5 * t - 2.5) * t * t + 1.0,
-        ((-1.5 * t + 2.0) * t + 0.5) * t,
-        (0.5 * t - 0.5) * t * t,
-    )
+    weights = (weight.astype(np.float32)[:, None] for weight in _cubic(np.clip(t, 0.0, 1.0)))
     near = np.isfinite(rows[i]) & np.isfinite(rows[i + 1])
     total = np.zeros((len(wanted), rows.shape[1]), np.float32)
     for k, weight in zip((-1, 0, 1, 2), weights, strict=True):
@@ -85,6 +79,29 @@ def sample(
         total += weight * part
     known = near & inside[:, None]
     return np.where(known, total, 0.0).astype(np.float32), known
+
+
+def _cubic(t: NDArray[np.float64]) -> tuple[NDArray[np.float64], ...]:
+    """Return the weights of the four rows about a place, the share `t` (n,) of the way from the second to the third."""
+    return (
+        ((-0.5 * t + 1.0) * t - 0.5) * t,
+        (1.5 * t - 2.5) * t * t + 1.0,
+        ((-1.5 * t + 2.0) * t + 0.5) * t,
+        (0.5 * t - 0.5) * t * t,
+    )
+
+
+def white_kept(at: NDArray[np.float64], wanted: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the share (n,) of the variance of white noise that `sample` keeps in one row: 1 on a row, less between.
+
+    What is averaged over several rows keeps all of it.
+
+    >>> white_kept(np.array([0.0, 1.0, 2.0, 3.0]), np.array([1.0, 1.5]))
+    array([1.      , 0.640625])
+    """
+    i = np.clip(np.searchsorted(at, wanted, side="right") - 1, 0, len(at) - 2)
+    weights = _cubic(np.clip((wanted - at[i]) / (at[i + 1] - at[i]), 0.0, 1.0))
+    return sum(np.square(weight) for weight in weights)
 
 
 def spectrum(one: Relief) -> NDArray[np.float64]:
