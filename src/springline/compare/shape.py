@@ -60,10 +60,12 @@ def without_shape(change: NDArray, bearing: NDArray, step: float) -> NDArray[np.
     """
     waves = np.column_stack([np.ones_like(bearing), *(f(k * bearing) for k in (1, 2) for f in (np.cos, np.sin))])
     own = _orders(change, waves, 1)
-    centred = change - own[:, 1:3] @ waves[:, 1:3].T
-    width = shape_rows(step)
-    slow = _orders(np.where(_marked(centred, step), np.nan, centred), waves, width)
-    return (centred - slow @ waves.T).astype(np.float32)
+    first, shape = waves[:, 1:3], waves[:, [0, 3, 4]]
+    centred = change - own[:, 1:3] @ first.T
+    slow = _orders(np.where(_marked(centred, step), np.nan, centred), waves, shape_rows(step))
+    # Where half of a ring is unseen, only one whose shape is known tells where its middle is.
+    shaped = change - slow[:, [0, 3, 4]] @ shape.T
+    return (shaped - _orders(shaped, first, 1) @ first.T).astype(np.float32)
 
 
 def shape_rows(step: float) -> int:
@@ -79,14 +81,15 @@ def _marked(change: NDArray, step: float) -> NDArray[np.bool_]:
 
 
 def _orders(change: NDArray, waves: NDArray, width: int) -> NDArray[np.float64]:
-    """Return the orders 0 to 2 (n, 5) of each ring by least squares over `width` rings."""
+    """Return how much of each of the `waves` (m, k) is in each ring (n, k), by least squares over `width` rings."""
     seen = np.isfinite(change)
     right = np.where(seen, change, 0.0).astype(float) @ waves
     products = (waves[:, :, None] * waves[:, None, :]).reshape(len(waves), -1)
     left = seen.astype(float) @ products
     if width > 1:
         right, left = (uniform_filter1d(part, width, axis=0, mode="constant") for part in (right, left))
-    left = left.reshape(-1, 5, 5) + 1e-3 * len(waves) * np.eye(5)
+    count = waves.shape[1]
+    left = left.reshape(-1, count, count) + 1e-3 * len(waves) * np.eye(count)
     return np.linalg.solve(left, right[:, :, None])[:, :, 0]
 
 
