@@ -20,6 +20,7 @@ if TYPE_CHECKING:
 
 _REACH = 0.1  # m beside four sigmas: within it two features of a kind can be one
 _TURN = np.radians(30.0)
+_CLEAR = 0.03  # m
 _HUNDRED = 100.0
 _ENOUGH = 8
 _RAREST = 0.01
@@ -161,12 +162,24 @@ def _measured(a: Epoch, b: Epoch, paired: Paired, placed: Registration) -> dict[
                 # A joint in whose gap no ring stands has its step and angle from rings that the gap cuts.
                 sized = [np.isfinite(e.measured("size")[0][rows[index]]) for e, rows in both]
                 v_a, v_b = np.where(sized[0], v_a, np.nan), np.where(sized[1], v_b, np.nan)
+            if variable == "depth":
+                # One that a joint cuts is measured in pieces, which differ from one inspection to the next.
+                whole = np.logical_and(*(_clear_of_joints(e, rows[index]) for e, rows in both))
+                v_a, v_b = np.where(whole, v_a, np.nan), np.where(whole, v_b, np.nan)
             if variable == "bearing":
                 v_b = _seen_from_a(v_a, v_b, a.features.chainage[paired.index_a[index]], placed)
             change = v_b - v_a
             if np.isfinite(change).any():
                 found[quantity] = index, v_a, v_b, change, _sigma(change, np.hypot(s_a, s_b))
     return found
+
+
+def _clear_of_joints(epoch: Epoch, rows: NDArray) -> NDArray[np.bool_]:
+    """Return whether each feature of `rows` (k,) ends before the joints beside it."""
+    (at, _), (length, _) = (epoch.measured(name) for name in ("chainage", "length"))
+    joint, gap = epoch.joints.T
+    reach = 0.5 * np.nan_to_num(length[rows])[:, None] + 0.5 * np.nan_to_num(gap)[None, :] + _CLEAR
+    return ~(np.abs(at[rows][:, None] - joint[None, :]) < reach).any(axis=1)
 
 
 def _seen_from_a(v_a: NDArray, v_b: NDArray, x: NDArray, placed: Registration) -> NDArray[np.float64]:

@@ -19,8 +19,8 @@ if TYPE_CHECKING:
     from .texture import Relief, Shared
     from .wall import Wall
 
-_PIECE = 0.5  # m of wall that are placed as one
-_LEAST_RINGS = 16
+_PIECE = 0.5  # m of wall that are placed as one, or less where so many rings are closer
+_RINGS, _LEAST_RINGS = 50, 16
 _FINEST = 0.002  # m
 _HALF_MODE = 0.03  # m
 _LEAST_AGREEMENT = 0.15
@@ -100,8 +100,8 @@ def level(a: Wall, b: Wall) -> float:
 
 
 def _pieces(rows: int, step: float) -> list[slice]:
-    """Return A's rows in pieces of about half a metre."""
-    size = max(_LEAST_RINGS, round(_PIECE / step))
+    """Return A's rows in pieces of about half a metre, of fifty rings where those are closer than a centimetre."""
+    size = max(_LEAST_RINGS, min(_RINGS, round(_PIECE / step)))
     count = max(1, rows // size)
     edges = np.rint(np.linspace(0, rows, count + 1)).astype(int)
     return [slice(int(i), int(j)) for i, j in pairwise(edges)]
