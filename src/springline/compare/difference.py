@@ -44,6 +44,8 @@ class Difference:
             length both show; 0 when the pipe is too short to tell.
         fine: (n,) whether the relief placed the row.
         radius: Usual radius of the pipe [m].
+        place_sigma: (n,) one-sigma of where each row lies in B [m].
+        side_sigma: One-sigma of how far what is not known of the tilts moves the sides of a ring along the pipe [m].
     """
 
     chainage: NDArray[np.float64]
@@ -58,7 +60,9 @@ class Difference:
     scale_sigma: float
     pattern: NDArray[np.float64]
     fine: NDArray[np.bool_]
-    radius: float = 0.0
+    radius: float
+    place_sigma: NDArray[np.float64]
+    side_sigma: float
 
     @property
     def step(self) -> float:
@@ -115,6 +119,7 @@ def difference(a: Wall, b: Wall, placed: Registration, joints: tuple[NDArray, ND
         wall_b=np.where(seen_b, wall_b, np.nan).astype(np.float32),
         change=change, sigma=sigma, why=why, scale=scale, scale_sigma=scale_sigma,
         pattern=pattern, fine=placed.refined_at(x), radius=a.radius,
+        place_sigma=np.nan_to_num(placed.at(x)[1]), side_sigma=a.radius * float(np.hypot(a.tilt_sigma, b.tilt_sigma)),
     )  # fmt: skip
 
 

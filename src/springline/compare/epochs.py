@@ -31,7 +31,6 @@ _SIZED = ("lateral", "bend")
 _LEAST_CONFIDENCE = 0.5
 _BEND_SIGMAS = 5.0
 _FEWEST_RINGS = 32
-_TILT, _TILT_ESTIMATED = np.radians(2.0), np.radians(1.0)
 
 
 @dataclass(frozen=True)
@@ -117,11 +116,6 @@ class Epoch:
     def wall_thickness(self) -> float:
         """Wall thickness [m]; NaN when not stated."""
         return float(self.survey.attrs.get("wall_thickness") or np.nan) if self.survey is not None else np.nan
-
-    @property
-    def tilt_sigma(self) -> float:
-        """One-sigma of what is not known of the sensor's tilt [rad]: less where it was estimated."""
-        return float(_TILT_ESTIMATED) if self.wall is not None and self.wall.roll_source == "pose" else float(_TILT)
 
     def kinds(self) -> list[str]:
         """Return the kind of each of `features`, in the inspection's own words."""

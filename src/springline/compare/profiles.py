@@ -41,7 +41,7 @@ def section_profiles(a: Epoch, b: Epoch, placed: Registration, found: Difference
     p_b = _turned(p_b, placed.roll_at(found.chainage)) / (1.0 + found.scale)
     good = placed.reliable(found.chainage) & (found.why == COMPARED).any(axis=1)
     p_a[~good] = np.nan
-    tilt = np.hypot(a.tilt_sigma, b.tilt_sigma) ** 2 / 2.0
+    tilt = np.hypot(a.wall.tilt_sigma, b.wall.tilt_sigma) ** 2 / 2.0
     radius = a.wall.radius
     scale = 2.0 * radius * found.scale_sigma
     mean, shape = np.sqrt(np.clip(v_a[:, 0] + v_b[:, 0], 0, None)), np.sqrt(np.clip(v_a[:, 1] + v_b[:, 1], 0, None))

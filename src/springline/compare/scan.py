@@ -11,9 +11,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 from scipy import fft
 
+from .doubt import beside, is_whole_ring, restlessness, slope_along
 from .shape import shape_rows
 from .sharpen import dent_fit
-from .templates import DISTINCT, FALSE_ALARMS, LENGTHS, bank, false_alarms, template, thresholds
+from .templates import DISTINCT, FALSE_ALARMS, LENGTHS, bank, false_alarms, slide, template, thresholds
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -133,7 +134,7 @@ def _slid(
     over, which = np.full((n, rows), -np.inf, np.float32), np.zeros((n, rows), np.uint8)
     depth, sigma, inflation = np.zeros((n, rows), np.float32), np.zeros((n, rows), np.float32), []
     for k, t in enumerate(templates):
-        top, bottom = (_slide(w, t, p, (size, rows), n) for w, p in zip(waves, (1, 2), strict=True))
+        top, bottom = (slide(w, t, p, (size, rows), n) for w, p in zip(waves, (1, 2), strict=True))
         seen = bottom > _LEAST_SEEN * typical * t.energy
         root = np.sqrt(np.where(seen, bottom, 1.0))
         score = np.where(seen, top / root, 0.0)
@@ -161,21 +162,12 @@ def _slow(found: Difference, one: Template) -> float:
     return _SLOW * found.radius * min(one.length / LENGTHS[-1], 1.0)
 
 
-def _slide(wave: NDArray, one: Template, power: int, shape: tuple[int, int], n: int) -> NDArray[np.float32]:
-    """Return the map summed under the template (to a power) about each cell."""
-    along = np.zeros(shape[0], np.float32)
-    half = len(one.along) // 2
-    along[np.arange(-half, half + 1)] = one.along**power
-    around = (one.around**power).astype(np.float32)
-    product = wave * fft.fft(along)[:, None] * fft.rfft(around)[None, :]
-    return fft.irfft2(product, s=shape)[:n].astype(np.float32)
-
-
 def _pick(found: Difference, templates: tuple[Template, ...], best: _Best, limits: NDArray) -> tuple[Patch, ...]:
     """Return the peaks above the limits, the clearest first; each takes what it covers with it."""
     left = np.where(np.isfinite(found.change), best.over, -np.inf)
     rows = left.shape[1]
     patches: list[Patch] = []
+    slope: NDArray | None = None
     taken: list[tuple[int, int, Template, float]] = []
     while len(patches) < _MOST_PATCHES:
         i, j = (int(v) for v in np.unravel_index(int(np.argmax(left)), left.shape))
@@ -184,14 +176,20 @@ def _pick(found: Difference, templates: tuple[Template, ...], best: _Best, limit
         t, limit = templates[best.which[i, j]], float(limits[best.which[i, j]])
         depth, sigma, score = float(best.depth[i, j]), float(best.sigma[i, j]), limit + float(left[i, j])
         if not any(_belongs(i, j, t, depth, limit * sigma, one) for one in taken):
-            chance = len(templates) * DISTINCT * false_alarms(score, t, rows, found.step)
-            patches.append(
-                Patch(
-                    float(found.chainage[i]), float(found.bearing[j]), t.length, t.width, depth, sigma,
-                    float(np.copysign(score, depth)), chance,
-                )
-            )  # fmt: skip
-            taken.append((i, j, t, depth))
+            slope = slope_along(found) if slope is None else slope
+            spread = float(best.inflation[best.which[i, j]])
+            wider = sigma * restlessness(found, t, i, j, depth, spread) / spread
+            sigma = float(np.hypot(wider, beside(found, slope, t, i, j)))
+            score = abs(depth) / sigma
+            if score >= limit and not is_whole_ring(found, t, i, j):
+                chance = len(templates) * DISTINCT * false_alarms(score, t, rows, found.step)
+                patches.append(
+                    Patch(
+                        float(found.chainage[i]), float(found.bearing[j]), t.length, t.width, depth, sigma,
+                        float(np.copysign(score, depth)), chance,
+                    )
+                )  # fmt: skip
+                taken.append((i, j, t, depth))
         left[
             max(i - len(t.along) // 2, 0) : i + len(t.along) // 2 + 1, (j + np.arange(-t.reach, t.reach + 1)) % rows
         ] = -np.inf

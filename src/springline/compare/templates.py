@@ -14,6 +14,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
+from scipy import fft
 from scipy.optimize import brentq
 
 if TYPE_CHECKING:
@@ -95,6 +96,16 @@ def _ring(bump: NDArray[np.float64], rows: int) -> NDArray[np.float64]:
     np.add.at(ring, (np.arange(len(bump)) - len(bump) // 2) % rows, bump)
     turn = np.arange(rows) * (2 * np.pi / rows)
     return ring - (2.0 / rows) * (ring @ np.cos(turn)) * np.cos(turn)
+
+
+def slide(wave: NDArray, one: Template, power: int, shape: tuple[int, int], n: int) -> NDArray[np.float32]:
+    """Return a map summed under a template (to a power) about each cell (n, m), from its waves on a grid of `shape`."""
+    along = np.zeros(shape[0], np.float32)
+    half = len(one.along) // 2
+    along[np.arange(-half, half + 1)] = one.along**power
+    around = (one.around**power).astype(np.float32)
+    product = wave * fft.fft(along)[:, None] * fft.rfft(around)[None, :]
+    return fft.irfft2(product, s=shape)[:n].astype(np.float32)
 
 
 def false_alarms(score: float, one: Template, rows: int, step: float) -> float:

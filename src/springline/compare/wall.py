@@ -22,6 +22,7 @@ if TYPE_CHECKING:
 _MOST_ROWS = 180
 _BLOCK = 2048
 _LATERAL = next(code for code, name in MASK_REASONS.items() if name == "lateral")
+_TILT, _TILT_ESTIMATED = np.radians(2.0), np.radians(1.0)
 _SETTLE = 1.0  # s over which gravity is averaged
 
 
@@ -78,6 +79,11 @@ class Wall:
         """Whether each ring (n,) stands out from those beside it as a joint does."""
         seen = np.isfinite(self.surface)
         return joint_rows(np.where(seen, self.surface, 0.0), seen, self.parameters, self.spacing)
+
+    @property
+    def tilt_sigma(self) -> float:
+        """One-sigma of what is not known of the sensor's tilt [rad]: less where it was estimated."""
+        return float(_TILT_ESTIMATED if self.roll_source == "pose" else _TILT)
 
     def upright(self) -> bool:
         """Return whether the vertical of the bearings was measured."""

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -21,6 +23,7 @@ def noise_map(seed, length=100.0):
         chainage=x, chainage_b=x, bearing=np.arange(ROWS) * (2 * np.pi / ROWS), wall_a=change, wall_b=change,
         change=change, sigma=np.full_like(change, NOISE), why=np.zeros(change.shape, np.uint8), scale=0.0,
         scale_sigma=1e-5, pattern=np.zeros(ROWS), fine=np.ones(x.size, bool),
+        radius=0.0, place_sigma=np.zeros(x.size), side_sigma=0.0,
     )  # fmt: skip
 
 
@@ -122,3 +125,26 @@ def test_the_fit_of_a_dent_has_an_honest_sigma():
         off.append((fitted[4] + 4e-3) / fitted[5])
     assert np.abs(np.mean(off)) < 1.0
     assert 0.4 < np.std(off) < 1.8
+
+
+@pytest.mark.parametrize("wave", [2.0, 3.0, 4.0])
+def test_what_moves_whole_rings_is_no_patch(wave):
+    found = noise_map(5, length=20.0)
+    rows = np.abs(found.chainage - 8.0) < 0.08
+    assert not scan(found).patches
+    found.change[rows] += (1.5e-3 * np.cos(wave * found.bearing)).astype(np.float32)
+    assert not scan(found).patches
+    add_dent(found, 14.0, 1.0, 0.16, 0.5, -1.5e-3)
+    assert [round(p.chainage) for p in scan(found).patches] == [14]
+
+
+def test_a_slope_of_the_wall_that_tilt_may_have_moved_is_no_patch():
+    found = noise_map(6, length=20.0)
+    dent = noise_map(7, length=20.0)
+    dent.change[:] = 0.0
+    add_dent(dent, 8.0, 1.0, 0.1, 0.8, -20e-3)
+    # Both inspections see the dent; the second, tilted by another degree, sees it 8 mm further on.
+    found = replace(found, wall_a=dent.change, wall_b=dent.change)
+    found.change[:] += (0.008 * np.gradient(dent.change, STEP, axis=0)).astype(np.float32)
+    assert scan(found).patches
+    assert not scan(replace(found, side_sigma=0.008)).patches
