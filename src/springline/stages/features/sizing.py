@@ -28,6 +28,7 @@ _KIND_SURE = 0.8
 _SURE, _SURE_DEPTH = 4.0, 6.0
 """Sigmas by which a bore must be wide, and a bump deep, to be reported."""
 _BLUR, _UNSURE = 0.75, 0.05
+_WHEEL = 0.025  # m: radius of the small wheels that robots for small pipes run on
 _INVERT, _AT_INVERT = -0.64, 0.4
 """Sine of the bearing below which an opening is doubted, and by how much: there water and beds mislead rings."""
 
@@ -114,7 +115,8 @@ class Sizer:
         row |= self._place(at, at_sigma, np.nan)
         if gap and not cloud:
             # Oblique rays blur a gap along a cloud.
-            row |= {"size": gap.gap, "size_sigma": gap.gap_sigma, "length": gap.gap, "length_sigma": gap.gap_sigma}
+            sigma = gap.gap_sigma if off is None else float(np.hypot(gap.gap_sigma, _climb(off.step)))
+            row |= {"size": gap.gap, "size_sigma": sigma, "length": gap.gap, "length_sigma": sigma}
         if gap:
             row |= {"depth": gap.depth, "depth_sigma": gap.depth_sigma}
         if off:
@@ -247,6 +249,15 @@ class Sizer:
             return "intrusion", _KIND_SURE
         low = abs(np.angle(np.exp(1j * (bump.bearing[0] + 0.5 * np.pi)))) < _LOWER_THIRD
         return ("deposit" if low else "dent"), _KIND_SURE
+
+
+def _climb(step: np.ndarray) -> float:
+    """Return how far a counter is off [m] while its wheel climbs a step (right, up, radius) [m].
+
+    A wheel of radius r that rolls over a step h turns by r acos(1 - h / r) while it goes sqrt(2 r h - h^2): by up to
+    h^2 / r less, for steps up to a third of it.
+    """
+    return float(np.hypot(step[0], step[1]) ** 2 / _WHEEL)
 
 
 def _set_off(step: np.ndarray, step_sigma: np.ndarray, turn: np.ndarray, turn_sigma: np.ndarray) -> Row:
