@@ -158,10 +158,10 @@ def load_config(path: str | Path) -> Config:
             names the key and, for unknown keys, the nearest known one.
     """
     path = Path(path)
+    if not path.is_file():
+        raise InputError("no such file", where=path, mend="check the path given to --config")
     try:
         return make_config(tomllib.loads(path.read_text(encoding="utf-8")), where=str(path))
-    except FileNotFoundError:
-        raise InputError("no such file", where=path, mend="check the path given to --config") from None
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
         raise InputError(f"not a TOML file: {error}", where=path, expected="settings in TOML") from None
 

@@ -1,6 +1,7 @@
 """`springline inspect` and `demo`, as a user meets them: results, exit codes, messages, nothing half-written."""
 
 import json
+import os
 import shutil
 import subprocess
 import sys
@@ -270,6 +271,29 @@ def test_existing_results_are_kept_without_force(tmp_path):
     forced = run("inspect", table, "-o", tmp_path / "out", "--force")
     assert forced.returncode == 2
     assert (tmp_path / "out" / "thesis.txt").read_text() == "years of work"
+
+
+@pytest.mark.parametrize("kind", ["folder", "pipe"])
+@pytest.mark.parametrize("option", ["config", "overrides", "calibration", "design-line", "back"])
+def test_a_file_to_read_beside_is_a_file(tmp_path, option, kind):
+    given = tmp_path / "beside.toml"
+    given.mkdir() if kind == "folder" else os.mkfifo(given)
+    done = run("inspect", rings_csv(tmp_path / "a.csv"), f"--{option}", given, "-o", tmp_path / "out")
+    assert done.returncode == 2
+    assert "beside.toml: " in done.stderr and done.stderr.count("springline: ") == 1
+    assert not (tmp_path / "out").exists()
+
+
+def test_demo_refuses_before_the_work(tmp_path, monkeypatch):
+    monkeypatch.setattr("springline.data.builtin_survey", lambda: pytest.fail("the work was begun"))
+    done = run("demo", "-o", tmp_path)
+    assert done.returncode == 2
+    assert f"{tmp_path}: it exists already" in done.stderr
+
+
+def test_the_version_is_said():
+    done = run("--version")
+    assert (done.returncode, done.stdout) == (0, f"springline {sl.__version__}\n")
 
 
 def test_import_loads_no_heavy_library():

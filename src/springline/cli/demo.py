@@ -9,7 +9,7 @@ import typer
 
 from .options import Force, Json
 from .run import as_json as print_json
-from .run import inspect_into, tell
+from .run import inspect_into, refuse_existing, tell
 
 app = typer.Typer(add_completion=False)
 
@@ -23,6 +23,7 @@ def demo(
     as_json: Json = False,
 ) -> None:
     """Run the main job on the built-in survey: 30 m of simulated 300 mm pipe with known truth."""
+    refuse_existing(output, force=force)
     from ..config import Config
     from ..data import builtin_survey
     from ..io import read

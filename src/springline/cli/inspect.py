@@ -13,7 +13,7 @@ from ..errors import InputError
 from . import reading
 from .options import Force, Json
 from .run import as_json as print_json
-from .run import finish, inspect_into, tell
+from .run import finish, inspect_into, refuse_existing, tell
 
 if TYPE_CHECKING:
     from ..config import Config
@@ -99,7 +99,7 @@ def inspect(
         name=name,
     )
     settings = _settings(config, spacing, liner=liner, units=units)
-    _refuse_existing(output, force)
+    refuse_existing(output, force=force)
     base_diameter = _length(base, "--base")
     surveys = {
         key: survey.with_attrs(base_diameter=base_diameter) if base_diameter else survey
@@ -255,9 +255,3 @@ def _length(text: str | None, where: str) -> float | None:
     from ..io.units import length
 
     return None if text is None else length(text, where=where)
-
-
-def _refuse_existing(output: Path, force: bool) -> None:
-    """Refuse before the work rather than after it."""
-    if output.exists() and not force:
-        raise InputError("it exists already", where=output, mend="choose another folder or pass --force")

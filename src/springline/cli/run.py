@@ -8,11 +8,19 @@ from typing import TYPE_CHECKING, Any
 
 import typer
 
+from ..errors import InputError
+
 if TYPE_CHECKING:
     from pathlib import Path
 
     from ..config import Config
     from ..survey import Survey
+
+
+def refuse_existing(output: Path, *, force: bool) -> None:
+    """Refuse before the work rather than after it."""
+    if output.exists() and not force:
+        raise InputError("it exists already", where=output, mend="choose another folder or pass --force")
 
 
 def inspect_into(

@@ -30,7 +30,7 @@ def read_calibration(path: Path) -> xr.Dataset:
         InputError: There is no such file, it holds no calibration, or a value cannot be used; the key is named.
         FormatError: It is not TOML.
     """
-    if not path.exists():
+    if not path.exists() or (path.suffix == ".toml" and not path.is_file()):
         raise InputError("no such file", where=path, mend="check the path given to --calibration")
     if path.suffix != ".toml":
         survey = open_survey(path)

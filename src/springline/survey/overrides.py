@@ -66,10 +66,10 @@ def read_overrides(path: Path) -> list[dict[str, Any]]:
         FormatError: It is not TOML.
         InputError: A key is unknown (its nearest neighbour is named), missing, or has a value that cannot be.
     """
+    if not path.is_file():
+        raise InputError("no such file", where=path, mend="check the path given to --overrides")
     try:
         values = tomllib.loads(path.read_text(encoding="utf-8"))
-    except FileNotFoundError:
-        raise InputError("no such file", where=path, mend="check the path given to --overrides") from None
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
         raise FormatError(f"not a TOML file: {error}", where=path) from None
     for key in values:
