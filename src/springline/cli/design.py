@@ -102,7 +102,11 @@ def design(
         "step": quantity(step, "length", where="--step"),
         "sizes": None if sizes is None else [quantity(s, "length", where="--sizes") for s in sizes.split(",")],
     }
+    from ..design.stations import MEANS
+    from ..geometry.checks import choice
+
     try:
+        choice("mean", mean, MEANS)
         if source is None:
             pipe = _numbers(diameter, diameter_sigma, ovality, ovality_sigma)
             found = _from_numbers(wanted, pipe, made, output, force=force)

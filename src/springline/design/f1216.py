@@ -28,6 +28,9 @@ CONVENTIONS = ("outer", "mean")
 
 CONSTANTS = ("inch-pound", "si")
 
+POISSON = ("-1 < poisson <= 0.5", "plastics have 0.3 to 0.4")
+"""Range of Poisson's ratio, and how to mend what lies outside; what cannot be pressed together has 0.5."""
+
 FOOT = 0.3048
 PSI = 6894.757293168361
 """Pascals in a pound-force per square inch."""
@@ -63,7 +66,7 @@ def ovality_factor(ovality: ArrayLike) -> Array:
     0.835752
     """
     q = finite("ovality", ovality)
-    require(np.isnan(q) | ((q >= 0) & (q < 1)), "ovality", q, "0 <= ovality < 1", "give a fraction, not percent")
+    require(np.isnan(q) | ((q >= 0) & (q < 1)), "ovality", q, "0 <= ovality < 1", "2 % is 0.02")
     return reduction_factor(q)
 
 
@@ -341,10 +344,7 @@ def thickness_stiffness(diameter: ArrayLike, *, modulus: ArrayLike, constants: s
 
 def _stiffness(modulus: Array, poisson: Array, factor: Array, enhancement: Array) -> Array:
     poisson = finite("poisson", poisson)
-    require(
-        np.isnan(poisson) | (np.abs(poisson) < 1), "poisson", poisson, "-1 < poisson < 1", "plastics have 0.3 to 0.4"
-    )
-    factor = positive("factor", factor, "see ovality_factor")
+    require(np.isnan(poisson) | ((poisson > -1) & (poisson <= 0.5)), "poisson", poisson, *POISSON)
     plate = positive("modulus", modulus, "give pascals") / (1.0 - poisson * poisson)
     return 2.0 * positive("enhancement", enhancement, "7 is the usual K") * plate * factor
 

@@ -25,6 +25,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from springline.design.f1216 import POISSON
 from springline.geometry.checks import finite, positive, require
 
 if TYPE_CHECKING:
@@ -77,7 +78,7 @@ def glock_pressure(
     thickness, diameter = positive("thickness", thickness), positive("diameter", diameter)
     require(~(thickness >= diameter / 2), "thickness", thickness, "thickness < diameter/2", "give metres for both")
     poisson = finite("poisson", poisson)
-    require(np.isnan(poisson) | (np.abs(poisson) < 1), "poisson", poisson, "-1 < poisson < 1", "about 0.3")
+    require(np.isnan(poisson) | ((poisson > -1) & (poisson <= 0.5)), "poisson", poisson, *POISSON)
     plate = positive("modulus", modulus, "give pascals") / (1.0 - poisson**2)
     radius = (diameter - thickness) / 2.0
     perimeter, curved = 2.0 * np.pi * radius / perimeter_factor(ovality), radius / flattening_factor(ovality)
@@ -92,7 +93,7 @@ def flattening_factor(ovality: ArrayLike) -> Array:
     0.861678
     """
     q = finite("ovality", ovality)
-    require(np.isnan(q) | ((q >= 0) & (q < 1)), "ovality", q, "0 <= ovality < 1", "give a fraction, not percent")
+    require(np.isnan(q) | ((q >= 0) & (q < 1)), "ovality", q, "0 <= ovality < 1", "2 % is 0.02")
     return (1.0 - q) / (1.0 + q) ** 2
 
 

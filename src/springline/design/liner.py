@@ -99,6 +99,10 @@ class LinerDesign:
         choice("edition", self.edition, f1216.EDITIONS)
         choice("convention", self.convention, f1216.CONVENTIONS)
         choice("constants", self.constants, f1216.CONSTANTS)
+        for name, mend in (("safety", "2 is usual"), ("enhancement", "7 is the usual K")):
+            value = getattr(self, name)
+            require(np.asarray(0 < value < np.inf), name, value, f"{name} > 0", mend)
+        require(np.asarray(-1 < self.poisson <= 0.5), "poisson", self.poisson, *f1216.POISSON)
         require(np.asarray(self.ratio_limit > 2), "ratio_limit", self.ratio_limit, "ratio_limit > 2", "100 is usual")
         if self.condition == "fully":
             self._need("soil_modulus", "cover", "unit_weight")

@@ -170,7 +170,7 @@ CALLS = {
 @pytest.mark.parametrize(
     ("call", "message"),
     [
-        (lambda: f1216.ovality_factor(2.0), "ovality = 2 .* not percent"),
+        (lambda: f1216.ovality_factor(2.0), "ovality = 2 .* 2 % is 0.02"),
         (lambda: f1216.ovality_factor(-0.01), "ovality = -0.01"),
         (lambda: f1216.buckling_pressure(1.0, modulus=1e9), "dimension_ratio = 1"),
         (lambda: f1216.buckling_pressure(50.0, modulus=0.0), "modulus = 0"),

@@ -94,7 +94,7 @@ def test_no_wall_is_returned_that_does_not_suffice():
     ("call", "message"),
     [
         (lambda: glock.glock_pressure(0.2, 0.3, modulus=1e9), "thickness = 0.2 .* diameter/2"),
-        (lambda: glock.glock_pressure(0.01, 0.3, modulus=1e9, ovality=5.0), "ovality = 5 .* not percent"),
+        (lambda: glock.glock_pressure(0.01, 0.3, modulus=1e9, ovality=5.0), "ovality = 5 .* 2 % is 0.02"),
         (lambda: glock.glock_pressure(0.01, 0.3, modulus=1e9, gap=-1e-3), "gap = -0.001"),
         (lambda: glock.glock_pressure(0.01, 0.3, modulus=1e9, poisson=2.0), "poisson = 2"),
         (lambda: glock.thickness_glock(-1.0, 0.3, modulus=1e9), "pressure = -1"),
