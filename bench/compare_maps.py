@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from springline.survey import Survey
 
 _ALL: list[tuple[int, float]] = []
+_FIRST = 31  # of the seeds that judge ready scenarios: what is worked out is worked out on others
 _SCORE = 5.0  # from which a dent of 190 mm x 35 degrees is told, nearly
 
 DENT = '{{ chainage = {x:.3f}, clock_h = {clock}, depth = "{depth}mm", length = {length}, width_deg = {width} }}'
@@ -67,8 +68,8 @@ def identical(pipes: int = 12) -> None:
 
 def ready() -> None:
     """Ready scenarios whose sections are near ellipses and whose joints or relief place them."""
-    for name, seeds in (("weaving", (11, 12)), ("hinged", (11, 12)), ("joints", (11, 12)), ("sewer", (11,))):
-        _alarms(f"ready scenario {name}", (again(name, seed) for seed in seeds))
+    for name, count in (("weaving", 3), ("hinged", 5), ("joints", 6), ("sewer", 2)):
+        _alarms(f"ready scenario {name}", (again(name, seed) for seed in range(_FIRST, _FIRST + count)))
 
 
 def _alarms(words: str, pairs: Iterable[tuple[Survey, Survey]]) -> None:

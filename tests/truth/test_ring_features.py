@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from bench._compare_walls import again
 from bench.ring_features import coarse, errors, joints, laterals, nothing, recall, study
 
 BUMPS = ("dent", "deposit")
@@ -92,3 +93,19 @@ def test_gaps_of_joints_that_cut_rings_hold_the_truth(among_coarse_rings):
     assert len(error) >= 20
     assert np.mean(np.abs(error) < 1.96 * sigma) >= 0.85
     assert rms(error) < 4e-3
+
+
+def test_a_gap_is_as_sure_as_the_counter_that_climbed_the_step_beside_it():
+    sizes = []
+    for seed in (11, 12):
+        # A joint of 25 mm with a step of 8 mm, on which the robot's wheels stand when the sensor passes it.
+        for survey in again("joints", seed):
+            found = survey.features
+            at = np.interp(found["chainage"], survey.section["chainage"], survey.truth["ring_chainage"])
+            row = int(np.argmin(np.abs(at - 2.0) + 10.0 * (found["kind"].values != "joint")))
+            sizes.append([float(found[name][row]) for name in ("size", "size_sigma", "step")])
+    size, sigma, step = np.array(sizes).T
+    assert np.abs(step - 0.008).max() < 0.001
+    assert np.abs(size - 0.025).max() > 0.002
+    assert np.all(np.abs(size - 0.025) < 2.0 * sigma)
+    assert sigma.max() < 0.004
