@@ -95,6 +95,12 @@ def test_gaps_of_joints_that_cut_rings_hold_the_truth(among_coarse_rings):
     assert rms(error) < 4e-3
 
 
+def test_a_joint_that_cuts_one_ring_is_no_lateral():
+    # Tilted robots at 12 mm: two joints showed as holes of 20 mm at two bearings of one ring.
+    _, false = study(coarse, (8000, 8002))
+    assert not false
+
+
 def test_a_gap_is_as_sure_as_the_counter_that_climbed_the_step_beside_it():
     sizes = []
     for seed in (11, 12):

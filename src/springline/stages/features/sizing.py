@@ -31,6 +31,9 @@ _BLUR, _UNSURE = 0.75, 0.05
 _WHEEL = 0.025  # m: radius of the small wheels that robots for small pipes run on
 _INVERT, _AT_INVERT = -0.64, 0.4
 """Sine of the bearing below which an opening is doubted, and by how much: there water and beds mislead rings."""
+_SMALL, _LONE = 0.15, 0.4
+"""Part of the diameter under which an opening that one ring alone shows is doubted, and by how much: a joint cuts a
+tilted ring at a few bearings, too."""
 
 
 class Sizer:
@@ -172,6 +175,8 @@ class Sizer:
         sure = float(one["probability"]) * float(np.clip((bore.agreement - 0.2) / 0.5, 0.0, 1.0))
         if np.sin(bearing) < _INVERT:
             sure *= _AT_INVERT
+        if first == last and 2.0 * bore.values[2] < _SMALL * wall.diameter:
+            sure *= _LONE
         row: Row = {
             "kind": "lateral",
             "chainage": float(bore.values[0]),
