@@ -1,6 +1,7 @@
 """The viewer in a real browser, opened from disk and drawn in software."""
 
 import io
+import re
 
 import numpy as np
 import pytest
@@ -54,6 +55,16 @@ def test_clicking_the_map_moves_scene_section_and_address(page):
     assert scene == pytest.approx((0.5 * width - 44) / (width - 52) * 29.975, abs=0.1)
     assert section == pytest.approx(scene, abs=0.06)
     assert page.run("document.querySelector('#values dd').textContent") == f"{section:.3f} m"
+
+
+def test_every_diameter_stands_with_its_interval(page):
+    values = page.run(
+        "(() => { const all = [...document.querySelectorAll('#values dt')];"
+        " return Object.fromEntries(all.map((one) => [one.textContent, one.nextElementSibling.textContent])); })()"
+    )
+    for name in ("Largest", "Smallest", "Horizontal (X)", "Vertical (Y)", "Mean (area)"):
+        assert re.match(r"\d+\.\d ± \d+\.\d mm", values[name]), (name, values[name])
+    assert "±: 95 %" in page.run("document.querySelector('#section').parentElement.textContent")
 
 
 def test_keys_walk_and_switch(page):

@@ -23,12 +23,10 @@ if TYPE_CHECKING:
 _LARGEST = 32000
 """Departures in ticks stay within this; below it stand the reasons of empty cells."""
 
+_DIAMETERS = ("diameter_max", "diameter_min", "diameter_x", "diameter_y", "diameter_area")
 _VALUES = (
-    "diameter_max",
-    "diameter_min",
-    "diameter_x",
-    "diameter_y",
-    "diameter_area",
+    *_DIAMETERS,
+    *(f"{name}_sigma" for name in _DIAMETERS),
     "ovality_polar",
     "ovality_polar_low",
     "ovality_polar_high",

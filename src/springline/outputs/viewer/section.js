@@ -49,7 +49,7 @@ class SectionView {
       context.lineWidth = 1;
     }
     const against = survey.reference ? `${survey.referenceKind} circle` : "circle of the mean diameter";
-    this.note.textContent = `Looking forward. Dots: readings${survey.other ? `, purple those of ${survey.otherName}` : ""}; red: fit; dashed: ${against}. Departures ${factor > 1 ? `drawn ${factor} times as large` : "to scale"}.`;
+    this.note.textContent = `Looking forward. Dots: readings${survey.other ? `, purple those of ${survey.otherName}` : ""}; red: fit; dashed: ${against}. Departures ${factor > 1 ? `drawn ${factor} times as large` : "to scale"}. ±: 95 %.`;
   }
 
   readings(layer) {
@@ -90,18 +90,19 @@ class SectionView {
 
   describe(chainage) {
     const { survey: s, group: g } = this;
-    const millimetres = (value) => (Number.isFinite(value) ? `${(1e3 * value).toFixed(1)} mm` : "–");
+    const half = (name) => (Number.isFinite(s[`${name}_sigma`][g]) ? ` ± ${(1.96e3 * s[`${name}_sigma`][g]).toFixed(1)}` : "");
+    const diameter = (name) => (Number.isFinite(s[name][g]) ? `${(1e3 * s[name][g]).toFixed(1)}${half(name)} mm` : "–");
     const percent = (value, half) => (Number.isFinite(value) ? `${(100 * value).toFixed(2)}${Number.isFinite(half) ? ` ± ${(100 * half).toFixed(2)}` : ""} %` : "–");
     const rows = [["Station", `${s.chainage[g].toFixed(3)} m`]];
     if (chainage < s.start[g] - 1e-6 || chainage > s.end[g] + 1e-6) rows.push(["", "no readings at the cursor; the nearest station is shown"]);
     if (s.status[g] > 0) rows.push(["No section", s.statusWords[s.status[g]]]);
     if (!s.speaks[g]) rows.push(["Left out of charts", "unlike its neighbours"]);
     rows.push(
-      ["Largest", `${millimetres(s.diameter_max[g])}${Number.isFinite(s.diameter_max_bearing[g]) ? ` at ${clockText(s.diameter_max_bearing[g])}` : ""}`],
-      ["Smallest", millimetres(s.diameter_min[g])],
-      ["Horizontal (X)", millimetres(s.diameter_x[g])],
-      ["Vertical (Y)", millimetres(s.diameter_y[g])],
-      ["Mean (area)", millimetres(s.diameter_area[g])],
+      ["Largest", `${diameter("diameter_max")}${Number.isFinite(s.diameter_max_bearing[g]) ? ` at ${clockText(s.diameter_max_bearing[g])}` : ""}`],
+      ["Smallest", diameter("diameter_min")],
+      ["Horizontal (X)", diameter("diameter_x")],
+      ["Vertical (Y)", diameter("diameter_y")],
+      ["Mean (area)", diameter("diameter_area")],
       ["Ovality", Number.isFinite(s.ovality_polar_high[g]) ? `${percent(s.ovality_polar[g]).slice(0, -2)} (${(100 * s.ovality_polar_low[g]).toFixed(2)} to ${(100 * s.ovality_polar_high[g]).toFixed(2)}) %` : percent(s.ovality_polar[g])],
       ["Deflection", percent(s.deflection[g], 1.96 * s.deflection_sigma[g])],
       ["Coverage", Number.isFinite(s.coverage[g]) ? `${(100 * s.coverage[g]).toFixed(0)} %` : "–"],
