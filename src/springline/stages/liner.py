@@ -102,7 +102,8 @@ def _explain(survey: Survey, found: dict[str, np.ndarray], settings: LinerConfig
     sentence = (
         f"The liner has left its host in a lobe at {lobed.sum()} of {len(lobed)} stations, at most by "
         f"{1e3 * found['liner_lobe_depth'][deepest]:.1f} mm at {survey.section['chainage'].values[deepest]:.2f} m, "
-        f"{clock:g} o'clock."
+        f"{clock:g} o'clock. Diameters, ovality, deflection, losses and verdicts are of the section without the lobe: "
+        "where there is one, less is free by its depth."
     )
     outside = lobed & (found["liner_protrusion"] > found["liner_lobe_depth_sigma"])
     if outside.any():

@@ -104,6 +104,7 @@ def test_what_is_said(found):
     warning = found.warnings[-1]
     assert "at 80 of 125 stations" in warning
     assert "12 o'clock" in warning or "11.9 o'clock" in warning
+    assert "Diameters, ovality, deflection, losses and verdicts are of the section without the lobe" in warning
     assert "user's word" in found.assumptions[-1]
     assert "at most 0.01 %" in found.assumptions[-1]
     assert found.section.attrs["liner_kind"] == "proposed"
