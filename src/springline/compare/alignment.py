@@ -64,12 +64,14 @@ class Judged:
         best: That with the most evidence.
         direction: Posterior of its sense of travel.
         same: Posterior of one pipe, against the better rival.
+        evidence: Log of its odds before the prior.
         reason: Why it is refused; empty when it is not.
     """
 
     best: Alignment
     direction: float
     same: float
+    evidence: float
     reason: str
 
 
@@ -129,9 +131,10 @@ def _judged(best: Alignment, alignments: Sequence[Alignment], over: Sequence[flo
     totals = np.array([np.logaddexp.reduce(one) if one else -np.inf for one in by_sense])
     ahead = totals[int(best.turned)] - totals[1 - int(best.turned)]
     direction = float(1.0 / (1.0 + np.exp(-min(ahead, 700.0))))
-    odds = float(np.logaddexp(*totals) - np.log(2.0)) + np.log(options.prior_same / (1.0 - options.prior_same))
+    evidence = float(np.logaddexp(*totals) - np.log(2.0))
+    odds = evidence + np.log(options.prior_same / (1.0 - options.prior_same))
     same = float(1.0 / (1.0 + np.exp(-np.clip(odds, -700.0, 700.0))))
-    return Judged(best, direction, same, _refusal(options, same, direction))
+    return Judged(best, direction, same, evidence, _refusal(options, same, direction))
 
 
 def _refusal(options: MatchOptions, same: float, direction: float) -> str:

@@ -49,11 +49,19 @@ def lattice_places(
         if abs(gap - lengths * module) > min(off, _TOLERANCE * module):
             continue
         for k in alone[(alone > p) & (alone < q)]:
-            along = (sense.a.chainage[k] - sense.a.chainage[p]) / sense.laid.module
-            n = round(float(along))
-            if 0 < n < lengths and abs(along - n) < _TOLERANCE:
+            before, behind = sense.a.chainage[k] - sense.a.chainage[p], sense.a.chainage[q] - sense.a.chainage[k]
+            n = round(float(before) / sense.laid.module)
+            # A false joint lies whole modules from neither of both.
+            ends = (before, n), (behind, lengths - n)
+            if 0 < n < lengths and any(_whole(sense, state, distance, count) for distance, count in ends):
                 share = n / lengths
                 own = share * (1.0 - share) * lengths * spacing**2
                 rows.append((k, sense.b.chainage[i] + share * gap, np.sqrt(own + 2.0 * state.noise**2)))
     k, y, sigma = np.array(rows).reshape(-1, 3).T
     return k.astype(np.int64), y, sigma
+
+
+def _whole(sense: Sense, state: State, distance: float, count: int) -> bool:
+    """Return whether two joints of A may lie so many modules apart."""
+    scatter = np.hypot(np.sqrt(count) * sense.laid.spacing, np.sqrt(2.0) * state.noise)
+    return bool(abs(distance - count * sense.laid.module) < _SIGMAS * scatter)

@@ -116,6 +116,7 @@ def _result(
         accepted=accepted,
         reason=reason,
         probability_same=judged.same,
+        evidence=judged.evidence,
         reversed=best.turned,
         probability_direction=judged.direction,
         scale=state.scale,
@@ -131,7 +132,7 @@ def _result(
 def _unlike(a: FeatureList) -> Match:
     reason = "no stretch of one is like a stretch of the other"
     nan = float("nan")
-    return Match(False, reason, 0.0, False, 0.5, nan, nan, nan, {}, *_nothing()[:2], (Span(*a.extent, reason),))
+    return Match(False, reason, 0.0, nan, False, 0.5, nan, nan, nan, {}, *_nothing()[:2], (Span(*a.extent, reason),))
 
 
 def _nothing() -> tuple[Pairs, Drift, tuple[Span, ...]]:

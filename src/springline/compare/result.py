@@ -115,6 +115,7 @@ class Match:
         accepted: Whether both saw the same pipe, as far as the features tell.
         reason: Why not; empty when accepted.
         probability_same: Posterior that both saw the same pipe.
+        evidence: Log of the odds of the same pipe over the better rival, before the prior.
         reversed: Whether B was driven from the other end.
         probability_direction: Posterior of that sense of travel.
         scale: Odometer of B over that of A.
@@ -129,6 +130,7 @@ class Match:
     accepted: bool
     reason: str
     probability_same: float
+    evidence: float
     reversed: bool
     probability_direction: float
     scale: float

@@ -149,3 +149,12 @@ def test_a_list_in_the_wrong_unit_is_refused(pipe, options):
 def test_lists_without_bearings_match_by_place(pipe):
     blind = feature_list(pipe.chainage, "lateral", extent=pipe.extent)
     assert len(match(blind, pipe).pairs) == len(match(blind, blind.mirrored()).pairs) == 14
+
+
+def test_evidence_and_prior_make_the_posterior_of_one_pipe(pipe):
+    b = pipe.take(np.arange(14) < 4)
+    found = [match(pipe.take(np.arange(14) < 4), b, MatchOptions(prior_same=prior)) for prior in (0.5, 0.001)]
+    assert found[0].evidence == pytest.approx(found[1].evidence)
+    for one, prior in zip(found, (0.5, 0.001), strict=True):
+        odds = np.exp(one.evidence) * prior / (1.0 - prior)
+        assert one.probability_same == pytest.approx(odds / (1.0 + odds))
