@@ -175,6 +175,8 @@ FAULTS = {
     "direction": ("survey.toml", '"downstream"', '"down"', "direction: 'down' is unknown"),
     "date": ("survey.toml", "2026-05-04", '"4 May"', "date: '4 May' is not a date"),
     "zero": ("survey.toml", '"crown"', '"top"', "sensor.bearing_zero: 'top' is unknown"),
+    "no angle": ("survey.toml", "-0.5", "nan", "sensor.boresight_yaw_deg: nan is not an angle"),
+    "wide angle": ("survey.toml", "-0.5", "-120", "degrees, a number from -45 to 45"),
     "angle": ("survey.toml", "-0.5", '"left"', "sensor.boresight_yaw_deg: 'left' is not an angle"),
     "not TOML": ("survey.toml", "[parts]", "[parts", "not a TOML file"),
     "missing part": ("survey.toml", "profile.csv", "rings7.csv", "there is no file 'rings7.csv'"),

@@ -9,8 +9,10 @@ from bench._joint import here
 import springline as sl
 from springline.config import make_config
 from springline.errors import InputError
+from springline.estimation import Ties
 from springline.outputs.tables import stations_sigma_table, stations_table
 from springline.simulate import parse, simulate
+from springline.stages.estimate.plausible import check_ties
 
 SCENARIO = """
 name = "short survey"
@@ -157,3 +159,43 @@ def test_a_log_that_does_not_cover_the_rings_is_said(made):
     assert any("one by one" in sentence and "does not cover" in sentence for sentence in sl.inspect(survey).warnings)
     with pytest.raises(InputError, match="does not cover"):
         sl.inspect(survey, make_config({"estimate": {"method": "joint"}}))
+
+
+def changed(made, **groups):
+    kept = {name: made.group(name) for name in ("rings", "inertial", "ties")}
+    return sl.Survey({**kept, **groups}, made.attrs)
+
+
+@pytest.mark.parametrize(
+    ("spoil", "said"),
+    [
+        (lambda log, ties: {"inertial": log.assign(accel=-log["accel"])}, "the robot lies on its back"),
+        (lambda log, ties: {"inertial": log.assign(accel=log["accel"] / 9.81)}, "the accelerometer reads 0.998 m/s2"),
+        (lambda log, ties: {"inertial": log.assign(accel=0.0 * log["accel"])}, "the accelerometer reads 0 m/s2"),
+        (
+            lambda log, ties: {"ties": ties.assign(distance=ties["distance"] + 100.0)},
+            "a tie stands at 100 m of the counter",
+        ),
+        (lambda log, ties: {"ties": ties.assign(easting=1000.0 * ties["easting"])}, "m apart, the counter ran"),
+        (
+            lambda log, ties: {"ties": ties.assign({n: 1e-5 * ties[n] for n in ("easting", "northing")})},
+            "m apart, the counter ran",
+        ),
+    ],
+)
+def test_mistakes_of_axes_units_and_columns_are_said_and_not_swallowed(made, spoil, said):
+    survey = changed(made, **spoil(made.inertial, made.ties))
+    with pytest.raises(InputError, match=said):
+        sl.inspect(survey, make_config({"estimate": {"method": "joint"}}))
+
+
+def test_a_tie_in_the_manhole_before_the_first_ring_is_no_mistake(made):
+    ties = made.ties.assign(distance=made.ties["distance"] - np.array([1.0, 0.0]))
+    check_ties(
+        Ties(
+            ties["distance"].values,
+            np.stack([ties[n].values for n in ("easting", "northing", "elevation")], 1),
+            ties["sigma"].values,
+        ),
+        made.rings["distance"].values,
+    )

@@ -88,6 +88,16 @@ def read_keys(path: Path) -> FolderKeys:
     )
 
 
+_LIMITS = {
+    "boresight_pitch_deg": (-45.0, 45.0),
+    "boresight_yaw_deg": (-45.0, 45.0),
+    "boresight_roll_deg": (-360.0, 360.0),
+    "baseline_sigma_deg": (0.0, 10.0),
+    "range_scale_applied": (0.5, 2.0),
+}
+"""Numbers of `[sensor]` that have no unit, and what they may be."""
+
+
 def _sensor(values: dict[str, Any], name: str, path: Path) -> dict[str, Any]:
     table = _table(values, name, path)
     _known(table, SURVEY_SENSOR_KEYS, path, f"{name}.")
@@ -97,8 +107,10 @@ def _sensor(values: dict[str, Any], name: str, path: Path) -> dict[str, Any]:
         if key in _CHOICES:
             attrs["sensor_kind" if key == "kind" else key] = _choice(value, _CHOICES[key], path, place)
         elif key.endswith("_deg") or key == "range_scale_applied":
+            low, high = _LIMITS[key]
             kind, wanted = ("an angle", "degrees, a number") if key.endswith("_deg") else ("a number", "about 1")
-            if isinstance(value, bool) or not isinstance(value, (int, float)):
+            wanted += f" from {low:g} to {high:g}"
+            if isinstance(value, bool) or not isinstance(value, (int, float)) or not low <= value <= high:
                 raise InputError(f"{value!r} is not {kind}", where=f"{path}, {place}", expected=wanted)
             attrs[key.removesuffix("_deg")] = radians(value) if key.endswith("_deg") else float(value)
         else:

@@ -10,6 +10,7 @@ import numpy as np
 from ...errors import InputError
 from ...estimation import Inertial, JointEstimate, Rear, Rings, Ties, estimate_joint
 from ...geometry.robot.boresight import on_scanner
+from .plausible import check_log, check_ties
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -51,7 +52,8 @@ def estimate_survey(survey: Survey, fitted: Fitted, rear: Rear | None = None) ->
         rear: Rings of a second scanner; None when there is none.
 
     Raises:
-        InputError: The rings stand about the pipe's axis already, are too few, or the log does not cover them.
+        InputError: The rings stand about the pipe's axis already, are too few, the log does not cover them, or log or
+            ties cannot be of this run.
     """
     if reason := why_never(survey):
         raise InputError(
@@ -68,7 +70,12 @@ def estimate_survey(survey: Survey, fitted: Fitted, rear: Rear | None = None) ->
         rings.attrs.get("distance_source", "odometer") == "odometer",
     )
     log = _inertial(survey.inertial, boresight(rings)) if survey.has("inertial") and known else None
-    return estimate_joint(given, log, _ties(survey), harmonics=fitted.harmonics, joints=_joints(survey), rear=rear)
+    ties = _ties(survey)
+    if log is not None:
+        check_log(log)
+    if ties is not None and given.odometer:
+        check_ties(ties, given.distance)
+    return estimate_joint(given, log, ties, harmonics=fitted.harmonics, joints=_joints(survey), rear=rear)
 
 
 def _joints(survey: Survey) -> np.ndarray | None:
