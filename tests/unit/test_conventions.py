@@ -12,9 +12,11 @@ from hypothesis import strategies as st
 from springline.conventions import (
     GROUPS,
     STATION_COLUMNS,
+    SURVEY_FOLDER_KEYS,
     bearing_from_clock,
     clock_from_bearing,
 )
+from springline.imaging.lens_table import _KEYS
 
 ROOT = Path(__file__).parents[2]
 
@@ -68,3 +70,8 @@ def test_docs_page_is_made_from_the_table():
     module = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(module)
     assert (ROOT / "docs" / "contract.md").read_text(encoding="utf-8") == module.contract()
+
+
+def test_every_key_of_a_lens_stands_in_the_contract():
+    told = SURVEY_FOLDER_KEYS["lens"]
+    assert [key for key in _KEYS if key not in told] == ["source", "sigma"]

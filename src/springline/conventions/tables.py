@@ -118,7 +118,8 @@ SURVEY_FOLDER_KEYS = {
     "parts": "table of files: rings, rings_rear, inertial, ties, frames, design_line, observations, calibration",
     "sensor": "table: kind, bearing_zero, bearing_sense, range_noise, and the sensor's geometry",
     "sensor_rear": "table: the same of the scanner of rings_rear",
-    "lens": "tables of lens models by name",
+    "lens": "tables of lens models by name: model, k_px, width_px, height_px, and where known coefficients, "
+    "view_angle_deg, centre_px, position_m, pitch_deg, yaw_deg, roll_deg, laser_ahead_m",
     "units": "table: unit of a column whose name has none",
 }
 """Keys of `survey.toml`; any other key is refused."""

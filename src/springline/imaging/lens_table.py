@@ -129,11 +129,11 @@ def camera_of_table(table: Mapping[str, Any], name: str = "camera") -> MountedCa
     (319.5, 239.5)
     >>> camera_of_table(table | {"lazer_ahead_m": 0.3}, "front")
     Traceback (most recent call last):
-    springline.errors.InputError: lens.front.lazer_ahead_m: unknown key, did you mean 'laser_ahead_m'?
+    springline.errors.InputError: lens.front.lazer_ahead_m: unknown key, did you mean 'laser_ahead_m'?; ...
     """
     for key in table:
         if key not in _KEYS:
-            raise InputError(f"unknown key{nearest(key, _KEYS)}", where=f"lens.{name}.{key}")
+            raise InputError(f"unknown key{nearest(key, _KEYS)}", where=f"lens.{name}.{key}", expected=", ".join(_KEYS))
     for key in _NEEDED:
         if key not in table:
             raise InputError("the key is missing", where=f"lens.{name}.{key}", expected=_KEYS[key])
