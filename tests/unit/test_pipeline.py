@@ -88,6 +88,7 @@ def test_an_infinite_reading_is_no_return():
         warnings.simplefilter("error")
         one, two = (sl.inspect(survey(rings(range=(("ring", "bearing"), each)))) for each in (gone, endless))
     assert np.array_equal(one.metrics["diameter_area"], two.metrics["diameter_area"])
+    assert np.array_equal(one.mask["reason"], two.mask["reason"])
 
 
 def test_a_second_inspection_assumes_only_what_it_assumes_itself():

@@ -57,7 +57,7 @@ def _mask(rings: xr.Dataset, settings: CleanConfig) -> xr.Dataset:
     margin = window
     for start in range(0, count, _BLOCK):
         low, high = max(start - margin, 0), min(start + _BLOCK + margin, count)
-        ranges = rings["range"][low:high].values.astype(float)
+        ranges = _returns(rings["range"][low:high].values.astype(float))
         place = None if along is None else along[low:high]
         block = _reasons(ranges, bearings, place, radius, window, settings)
         stop = min(start + _BLOCK, count)
