@@ -10,7 +10,7 @@ from springline.compare import match
 
 SEEDS = range(500, 520)
 RUNS = range(500, 550)
-STRANGERS = range(600, 650)
+STRANGERS = range(600, 625)
 PART_SEEDS = range(940, 950)
 PARTS = (
     ("100 m in 290 m", (0.0, 290.0), (120.0, 220.0)),

@@ -87,7 +87,7 @@ class MatchOptions:
             scale_sigma=0.016,
             slip_rate=0.003,
             slip_scale=0.6,
-            offset_scale=0.1,
+            offset_scale=0.5,
             bearing_sigma=0.3,
             bearing_limit=_HOUR_AND_A_HALF,
             bearing_outliers=1e-5,
