@@ -22,6 +22,8 @@ _OWN = 1.5  # half widths of a template to both sides of a patch that are its ow
 _PRIOR_COUNT = 8.0  # places by which the whole map's scatter counts beside that of a patch's own rings
 _CLEAR = 3.0  # sigmas by which rings must be restless to count as such
 _LEAST_SEEN = 0.3
+_LOBE = np.radians(60.0)  # width at half height of a lobe of an oval
+_CLEARLY = 12.0  # of a sum of squares
 
 
 def slope_along(found: Difference) -> NDArray[np.float64]:
@@ -64,6 +66,7 @@ def beside(found: Difference, slope: NDArray, one: Template, i: int, j: int) -> 
 def is_whole_ring(found: Difference, one: Template, i: int, j: int) -> bool:
     """Return whether a wave all round explains the rings of a patch better than the patch does.
 
+    A patch as wide as a lobe of an oval must explain them clearly better: half-seen, the two are hard to tell apart.
     Sections that became more or less oval are told by diameters and ovality, which know what a sensor's tilt does to
     them; waves of three and four are a section that lies turned against itself.
 
@@ -79,11 +82,19 @@ def is_whole_ring(found: Difference, one: Template, i: int, j: int) -> bool:
     total = np.square(along) @ weight
     first, *waves = (np.column_stack((np.cos(k * found.bearing), np.sin(k * found.bearing))) for k in (1, 2, 3, 4))
     waves[0] = np.column_stack((np.ones_like(found.bearing), waves[0]))
-    told, *others = (
-        _explained(pull, total, np.column_stack((first, shape))) - shape.shape[1]
-        for shape in (np.roll(one.around, j)[:, None], *waves)
-    )
-    return max(others) > told
+    patch = _gain(pull, total, first, np.roll(one.around, j)[:, None]) - 1.0
+    least = patch - (_CLEARLY if one.width > _LOBE else 0.0)
+    return any(_gain(pull, total, first, wave) - wave.shape[1] > least for wave in waves)
+
+
+def _gain(pull: NDArray, total: NDArray, given: NDArray, shapes: NDArray) -> float:
+    """Return by how much shapes (m, k) lower a ring's sum of squares when those `given` (m, l) have done so."""
+    return _explained(pull, total, np.column_stack((given, shapes))) - _explained(pull, total, given)
+
+
+def _apart(cells: int, j: int) -> NDArray[np.int64]:
+    """Return how many cells each column (cells,) lies beside column j."""
+    return np.abs(np.mod(np.arange(cells) - j + cells // 2, cells) - cells // 2)
 
 
 def _explained(pull: NDArray, total: NDArray, shapes: NDArray) -> float:

@@ -142,7 +142,7 @@ def test_a_slope_of_the_wall_that_tilt_may_have_moved_is_no_patch():
     found = noise_map(6, length=20.0)
     dent = noise_map(7, length=20.0)
     dent.change[:] = 0.0
-    add_dent(dent, 8.0, 1.0, 0.1, 0.8, -20e-3)
+    add_dent(dent, 8.0, 1.0, 0.1, 0.5, -40e-3)
     # Both inspections see the dent; the second, tilted by another degree, sees it 8 mm further on.
     found = replace(found, wall_a=dent.change, wall_b=dent.change)
     found.change[:] += (0.008 * np.gradient(dent.change, STEP, axis=0)).astype(np.float32)
