@@ -15,6 +15,7 @@ if TYPE_CHECKING:
 
 _SIGMAS = 3.0
 _TOLERANCE = 0.2
+_ALIKE = 0.05
 _MOST_LENGTHS = 8
 
 
@@ -33,7 +34,8 @@ def lattice_places(
     """
     module, spacing = joint_module(sense.b)
     none = np.empty(0)
-    if not (is_regular(module, spacing) and sense.laid.regular):
+    alike = abs(module - sense.laid.module) < _ALIKE * module
+    if not (is_regular(module, spacing) and sense.laid.regular and alike):
         return none.astype(np.int64), none, none
     both = (sense.a.kind[index_a] == JOINT) & (sense.b.kind[index_b] == JOINT)
     index_a, index_b = index_a[both], index_b[both]

@@ -12,6 +12,7 @@ _FEWEST_JOINTS = 4
 _REGULAR = 0.05
 _TOLERANCE = 0.2
 _ONE_LENGTH = 0.1  # of a length, by which a distance may be off the whole lengths in it when the length is sought
+_FALSE = 0.05  # share of distances that a false joint ends
 _MOST_LENGTHS = 8
 _MOST_MISSED = 4  # lengths between neighbours of the list by which the length itself is told
 
@@ -19,14 +20,14 @@ _MOST_MISSED = 4  # lengths between neighbours of the list by which the length i
 def joint_module(features: FeatureList) -> tuple[float, float]:
     """Return the distance between joints [m] and its standard deviation [m]; NaN when too few joints show it.
 
-    Each distance between neighbours, or a half to a quarter of it, is tried as the length: a distance of k whole
-    lengths counts 1 / k for it, so that a length is taken before its half, though joints were missed, and false ones
-    found.
+    Each distance between neighbours, or a half to a quarter of it, is tried as the length. A distance of k whole
+    lengths speaks for it, the less the larger k is, so that a length is taken before its half; one that is none speaks
+    against it, as a false joint is rarer than missed ones.
 
     >>> from .features import feature_list
     >>> joint_module(feature_list([0.0, 2.0, 4.0, 6.1, 10.1, 12.0], "joint"))[0]
     2.0
-    >>> joint_module(feature_list([0.0, 4.0, 6.0, 12.0, 16.0, 18.0, 24.0], "joint"))[0]
+    >>> joint_module(feature_list([0.0, 6.0, 12.0, 18.0, 20.0, 24.0, 28.0], "joint"))[0]
     2.0
     """
     x = features.chainage[features.kind == JOINT]
@@ -37,7 +38,8 @@ def joint_module(features: FeatureList) -> tuple[float, float]:
     tried = np.unique(gaps[:, None] / np.arange(1, _MOST_MISSED + 1))
     tried = tried[tried >= gaps.min() * (1.0 - _ONE_LENGTH)]
     lengths, off = _whole_lengths(gaps, tried[:, None])
-    best = tried[np.argmax(((np.abs(off) < _ONE_LENGTH) / lengths).sum(axis=1))]
+    fits = np.abs(off) < _ONE_LENGTH
+    best = tried[np.argmax(np.where(fits, -np.log(2.0 * _ONE_LENGTH * lengths), np.log(_FALSE)).sum(axis=1))]
     lengths, off = _whole_lengths(gaps, best)
     near = np.abs(off) < _ONE_LENGTH
     if near.sum() < _FEWEST_JOINTS - 1:

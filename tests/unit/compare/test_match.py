@@ -158,3 +158,17 @@ def test_evidence_and_prior_make_the_posterior_of_one_pipe(pipe):
     for one, prior in zip(found, (0.5, 0.001), strict=True):
         odds = np.exp(one.evidence) * prior / (1.0 - prior)
         assert one.probability_same == pytest.approx(odds / (1.0 + odds))
+
+
+def test_a_list_of_mostly_triple_lengths_is_laid_on_its_neighbours_lattice():
+    # Three lengths between most joints of A: taken for the module, they laid its second joint 0.9 m off in B.
+    a = [2.259, 9.766, 14.740, 22.256, 24.765, 32.268, 39.756, 44.779, 49.779]
+    b = [2.255, 7.246, 14.725, 19.734, 22.230, 24.734, 27.215, 29.722, 32.228, 34.719, 37.220, 39.702, 44.724, 49.712]
+    lists = []
+    for x, bend in ((a, 20.056), (b, 20.03)):
+        before = int(np.searchsorted(x, bend))
+        kinds = ["joint"] * before + ["bend"] + ["joint"] * (len(x) - before)
+        lists.append(feature_list([*x[:before], bend, *x[before:]], kinds, extent=(0.0, 50.4)))
+    found = match(*lists)
+    assert found
+    assert np.abs(found.drift.at(np.array(a))[0] - np.array(a)).max() < 0.1
