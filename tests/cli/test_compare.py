@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import json
+import os
 
 import numpy as np
 import pytest
@@ -209,6 +210,29 @@ def test_other_pipes_and_missing_files_are_refused(tmp_path, lists):
     assert "no such file" in run(lists / "a.csv", tmp_path / "gone.csv", "-o", tmp_path / "out")[2]
     assert "two inspections or more" in run(lists / "a.csv", "-o", tmp_path / "out")[2]
     assert not (tmp_path / "out").exists()
+
+
+@pytest.mark.parametrize(
+    ("option", "told"),
+    [
+        (("--kind", "jiont"), "there is no kind of feature 'jiont', did you mean 'joint'?"),
+        (("--false-alarms", "nan"), "it is nan"),
+        (("--false-alarms", "0"), "it is 0"),
+    ],
+)
+def test_options_that_cannot_be_are_refused(tmp_path, lists, option, told):
+    code, _, error = run(lists / "a.csv", lists / "b.csv", *option, "-o", tmp_path / "out")
+    assert code == 2
+    assert told in error
+    assert not (tmp_path / "out").exists()
+
+
+def test_a_named_pipe_is_refused(tmp_path, lists):
+    pipe = tmp_path / "pipe.csv"
+    os.mkfifo(pipe)
+    code, _, error = run(lists / "a.csv", pipe, "-o", tmp_path / "out")
+    assert code == 2
+    assert "neither a file nor a folder" in error
 
 
 def test_a_foreign_folder_is_not_replaced(lists, tmp_path):

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from ..errors import InputError
+from ..errors import InputError, nearest
 from .compare_inputs import ListOptions, pairs_of, read_epoch
 from .options import Force, Json
 
@@ -78,12 +78,22 @@ def compare(
 
     More than two give trends, each inspection placed on the first. Inspections of different pipes are refused.
     """
+    from ..compare import KINDS
     from ..outputs.comparison.write import check_replaceable
 
     if len(inputs) < _FEWEST:
         raise InputError("one inspection alone", where=str(inputs[0]), expected="two inspections or more")
     if not 0.0 < false_alarms <= 100.0:
-        raise InputError(f"--false-alarms is {false_alarms:g}", expected="a number above 0, at most 100")
+        raise InputError(
+            f"it is {false_alarms:g}",
+            where="--false-alarms",
+            expected="a number above 0, at most 100: changes told by chance per 100 m of unchanged pipe",
+            mend="leave it out for one in 100 m",
+        )
+    if kind not in KINDS:
+        raise InputError(
+            f"there is no kind of feature {kind!r}{nearest(kind, KINDS)}", where="--kind", expected=", ".join(KINDS)
+        )
     check_replaceable(output, force=force)
     given = ListOptions(pairs_of(columns, "--columns"), pairs_of(kinds, "--kinds"), kind, unit, size_unit, sort)
     read = [read_epoch(path, given) for path in inputs]

@@ -68,6 +68,8 @@ def read_epoch(path: Path, given: ListOptions) -> tuple[Epoch, bool]:
     path, number = _split(path)
     if not path.exists():
         raise InputError("no such file or folder", where=path)
+    if not (path.is_file() or path.is_dir()):
+        raise InputError("it is neither a file nor a folder", where=path, mend="save the table to a file first")
     if path.suffix.lower() in _TABLES and not _rings(path, given):
         listed, coded = _listed(path, number, given)
         if listed.repeated:

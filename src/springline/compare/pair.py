@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from scipy.stats import norm
 
-from ..errors import InputError
+from ..errors import ContractError, InputError
 from .changes import Change, look
 from .difference import Difference, difference
 from .epochs import Epoch
@@ -110,6 +110,11 @@ def compare(
     >>> bool(found), found.placed.reversed, len(found.changes)
     (True, False, 0)
     """
+    for which, survey in (("result_a", result_a), ("result_b", result_b)):
+        if not hasattr(survey, "has") or not survey.has("section"):
+            raise ContractError(
+                "it is no inspected survey", where=f"compare, {which}", expected="what springline.inspect returns"
+            )
     epochs = (Epoch(str(s.attrs.get("name") or w), s) for s, w in ((result_a, "A"), (result_b, "B")))
     return compare_epochs(*epochs, options=options, false_alarms=false_alarms, works=works)
 
