@@ -23,7 +23,7 @@ _PRIOR_COUNT = 8.0  # places by which the whole map's scatter counts beside that
 _CLEAR = 3.0  # sigmas by which rings must be restless to count as such
 _LEAST_SEEN = 0.3
 _LOBE = np.radians(60.0)  # width at half height of a lobe of an oval
-_CLEARLY = 12.0  # of a sum of squares
+_CLEARLY = 6.0  # of a sum of squares: odds of 20 to 1
 
 
 def slope_along(found: Difference) -> NDArray[np.float64]:
