@@ -59,7 +59,7 @@ class MatchOptions:
     prior_same: float = 0.5
     accept_same: float = 0.9
     accept_pair: float = 0.8
-    sigma_limit: float = 0.5
+    sigma_limit: float = 0.15
 
     def __post_init__(self) -> None:
         for item in fields(self):
