@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import shutil
 import tempfile
+import time
 import warnings
 import zipfile
 from collections import Counter
@@ -26,6 +27,7 @@ if TYPE_CHECKING:
 _RING_CHUNK = 2048
 _DEFAULT_TICK = 1e-5
 _FILL = -32768
+_TRIES, _PAUSE = 40, 0.05  # s
 _POSITIONS = ("chainage", "distance", "easting", "northing", "elevation", "time")
 
 
@@ -153,7 +155,16 @@ def replacing(path: Path, *, force: bool = False, own: OwnFolder | None = None) 
             mend="free some space or choose another disk",
         ) from error
     finally:
+        _remove(holder)
+
+
+def _remove(holder: Path) -> None:
+    """Remove a temporary folder: the store's own threads may still lay a file down in it after a request to end."""
+    for _ in range(_TRIES):
         shutil.rmtree(holder, ignore_errors=True)
+        if not holder.exists():
+            return
+        time.sleep(_PAUSE)
 
 
 def replacing_survey(path: Path, *, force: bool) -> AbstractContextManager[Path]:
