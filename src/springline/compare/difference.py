@@ -6,11 +6,10 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-from scipy.ndimage import median_filter
 
 from ..geometry.measures import polar_radius
 from .edges import COMPARED, SPIKE, at_joints, coarser, joint_rows, rims, why_compared
-from .shape import local_sigma, pattern_of, roll_left, white_sigma, without_shape
+from .shape import local_sigma, median_of_nine, pattern_of, roll_left, white_sigma, without_shape
 from .texture import sample, white_kept
 
 if TYPE_CHECKING:
@@ -175,6 +174,6 @@ def _scale(a: NDArray, b: NDArray) -> tuple[float, float]:
 def _spikes(change: NDArray, step: float) -> NDArray[np.bool_]:
     """Return the cells that stand far off their eight neighbours: no wall does that, stray readings do."""
     sigma = local_sigma(change, step)
-    near = median_filter(np.pad(np.nan_to_num(change), ((0, 0), (1, 1)), mode="wrap"), 3, mode="nearest")[:, 1:-1]
+    near = median_of_nine(np.nan_to_num(change))
     with np.errstate(invalid="ignore"):
         return np.abs(change - near) > _SPIKE * sigma

@@ -6,8 +6,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from scipy import fft
-from scipy.ndimage import gaussian_filter, median_filter
+from scipy.ndimage import gaussian_filter
 
+from .shape import median_of_nine
 from .templates import slide
 
 if TYPE_CHECKING:
@@ -30,7 +31,7 @@ def slope_along(found: Difference) -> NDArray[np.float64]:
     """Return the slope of both walls along the pipe (n, m) [m/m]; of lone stray readings there is none."""
     wall, known = 0.5 * (found.wall_a + found.wall_b), np.isfinite(found.change)
     wall = np.where(known, wall, 0.0)
-    near = median_filter(np.pad(wall, ((0, 0), (1, 1)), mode="wrap"), 3, mode="nearest")[:, 1:-1]
+    near = median_of_nine(wall)
     reach = _SMOOTH / found.step, wall.shape[1] * _SMOOTH_TURN
     value, share = (
         gaussian_filter(part, reach, mode=("nearest", "wrap"))
@@ -38,6 +39,26 @@ def slope_along(found: Difference) -> NDArray[np.float64]:
     )
     smooth = value / np.maximum(share, 1e-6)
     return np.gradient(smooth, found.step, axis=0) if len(smooth) > 1 else np.zeros_like(smooth)
+
+
+def sigma_in_doubt(
+    found: Difference, slope: NDArray, one: Template, i: int, j: int, depth: float, sigma: float, spread: float
+) -> float:
+    """Return the one-sigma [m] of a patch's depth with all that it may be but a change; infinite where rings are waves.
+
+    Args:
+        found: The difference map.
+        slope: Of the wall along the pipe (n, m) [m/m].
+        one: The template that told the patch.
+        i, j: Row and column of its middle.
+        depth: Of the patch [m].
+        sigma: Of that, by chance alone [m].
+        spread: Scatter of the template's scores on the whole map.
+    """
+    if is_whole_ring(found, one, i, j):
+        return float("inf")
+    wider = sigma * restlessness(found, one, i, j, depth, spread) / spread
+    return float(np.hypot(wider, beside(found, slope, one, i, j)))
 
 
 def beside(found: Difference, slope: NDArray, one: Template, i: int, j: int) -> float:
@@ -56,11 +77,9 @@ def beside(found: Difference, slope: NDArray, one: Template, i: int, j: int) -> 
     known = np.isfinite(found.change[rows])
     pull = np.where(known, shape / np.square(found.sigma[rows]), 0.0)
     pull /= max(float((pull * shape).sum()), 1e-30)
-    round_ = (pull * slope[rows]).sum(axis=0)
-    place, *sides = (
-        float(round_ @ f) for f in (1.0 + 0.0 * found.bearing, np.cos(found.bearing), np.sin(found.bearing))
-    )
-    return float(np.hypot(found.place_sigma[i] * place, found.side_sigma * np.hypot(*sides)))
+    shown = (pull * slope[rows]).sum(axis=0)
+    place, side = float(shown.sum()), abs(complex(shown @ np.exp(1j * found.bearing)))
+    return float(np.hypot(found.place_sigma[i] * place, found.side_sigma * side))
 
 
 def is_whole_ring(found: Difference, one: Template, i: int, j: int) -> bool:
@@ -90,11 +109,6 @@ def is_whole_ring(found: Difference, one: Template, i: int, j: int) -> bool:
 def _gain(pull: NDArray, total: NDArray, given: NDArray, shapes: NDArray) -> float:
     """Return by how much shapes (m, k) lower a ring's sum of squares when those `given` (m, l) have done so."""
     return _explained(pull, total, np.column_stack((given, shapes))) - _explained(pull, total, given)
-
-
-def _apart(cells: int, j: int) -> NDArray[np.int64]:
-    """Return how many cells each column (cells,) lies beside column j."""
-    return np.abs(np.mod(np.arange(cells) - j + cells // 2, cells) - cells // 2)
 
 
 def _explained(pull: NDArray, total: NDArray, shapes: NDArray) -> float:
@@ -135,9 +149,8 @@ def restlessness(found: Difference, one: Template, i: int, j: int, depth: float,
     waves = [fft.rfft2(p, s=(size, cells)) for p in (np.where(known, change, 0.0) * weight, weight)]
     top, bottom = (slide(wave, one, p, (size, cells), len(known)) for wave, p in zip(waves, (1, 2), strict=True))
     apart = np.abs(np.mod(np.arange(cells) - j + cells // 2, cells) - cells // 2)
-    seen = (
-        (np.abs(at) <= reach)[:, None] & (apart > _OWN * one.reach) & (bottom > _LEAST_SEEN * one.energy * weight.max())
-    )
+    seen = (np.abs(at) <= reach)[:, None] & (apart > _OWN * one.reach)
+    seen &= bottom > _LEAST_SEEN * one.energy * weight.max()
     if not seen.any():
         return spread
     local = 1.4826 * float(np.median(np.abs(top[seen] / np.sqrt(bottom[seen]))))

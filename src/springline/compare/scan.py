@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from scipy import fft
 
-from .doubt import beside, is_whole_ring, restlessness, slope_along
+from .doubt import sigma_in_doubt, slope_along
 from .shape import shape_rows
 from .sharpen import dent_fit
 from .templates import DISTINCT, FALSE_ALARMS, LENGTHS, bank, false_alarms, slide, template, thresholds
@@ -112,11 +112,12 @@ def scan(found: Difference, rate: float = FALSE_ALARMS) -> Scan:
     limits = thresholds(templates, rows, found.step, rate)
     if not templates or not known.any():
         return Scan((), templates, limits, np.ones(len(templates)), searched)
+    slope = slope_along(found)
     best = _slid(found, templates, limits, known, ())
-    patches = _pick(found, templates, best, limits)
+    patches = _pick(found, templates, best, limits, slope)
     if patches:
         best = _slid(found, templates, limits, known, patches)
-        patches = _pick(found, templates, best, limits)
+        patches = _pick(found, templates, best, limits, slope)
     patches = (*(sharpened(found, p) for p in patches[:_SHARPENED]), *patches[_SHARPENED:])
     return Scan(patches, templates, limits, best.inflation, searched)
 
@@ -162,26 +163,25 @@ def _slow(found: Difference, one: Template) -> float:
     return _SLOW * found.radius * min(one.length / LENGTHS[-1], 1.0)
 
 
-def _pick(found: Difference, templates: tuple[Template, ...], best: _Best, limits: NDArray) -> tuple[Patch, ...]:
+def _pick(
+    found: Difference, templates: tuple[Template, ...], best: _Best, limits: NDArray, slope: NDArray
+) -> tuple[Patch, ...]:
     """Return the peaks above the limits, the clearest first; each takes what it covers with it."""
     left = np.where(np.isfinite(found.change), best.over, -np.inf)
     rows = left.shape[1]
     patches: list[Patch] = []
-    slope: NDArray | None = None
     taken: list[tuple[int, int, Template, float]] = []
     while len(patches) < _MOST_PATCHES:
         i, j = (int(v) for v in np.unravel_index(int(np.argmax(left)), left.shape))
         if left[i, j] < 0.0:
             break
         t, limit = templates[best.which[i, j]], float(limits[best.which[i, j]])
-        depth, sigma, score = float(best.depth[i, j]), float(best.sigma[i, j]), limit + float(left[i, j])
+        depth, sigma = float(best.depth[i, j]), float(best.sigma[i, j])
         if not any(_belongs(i, j, t, depth, limit * sigma, one) for one in taken):
-            slope = slope_along(found) if slope is None else slope
             spread = float(best.inflation[best.which[i, j]])
-            wider = sigma * restlessness(found, t, i, j, depth, spread) / spread
-            sigma = float(np.hypot(wider, beside(found, slope, t, i, j)))
+            sigma = sigma_in_doubt(found, slope, t, i, j, depth, sigma, spread)
             score = abs(depth) / sigma
-            if score >= limit and not is_whole_ring(found, t, i, j):
+            if score >= limit:
                 chance = len(templates) * DISTINCT * false_alarms(score, t, rows, found.step)
                 patches.append(
                     Patch(

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
-from scipy.ndimage import uniform_filter, uniform_filter1d
+from scipy.ndimage import median_filter, uniform_filter, uniform_filter1d
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -99,6 +99,11 @@ def pattern_of(change: NDArray, length: float) -> NDArray[np.float64]:
         return np.zeros(change.shape[1])
     masked = np.ma.masked_invalid(change)
     return np.ma.median(masked, axis=0).filled(0.0).astype(float)
+
+
+def median_of_nine(values: NDArray) -> NDArray:
+    """Return the median (n, m) of each cell and the eight about it; a lone stray reading has no part in it."""
+    return median_filter(np.pad(values, ((0, 0), (1, 1)), mode="wrap"), 3, mode="nearest")[:, 1:-1]
 
 
 def local_sigma(change: NDArray, step: float) -> NDArray[np.float32]:
